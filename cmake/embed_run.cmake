@@ -1,0 +1,17 @@
+# Writes OUT: a C file with the texts of FILES as byte arrays. Run by airlight_embed.
+set(texts "")
+set(names "")
+set(bodies "")
+set(index 0)
+foreach(file IN LISTS FILES)
+  get_filename_component(name ${file} NAME)
+  file(READ ${file} hex HEX)
+  string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${hex}")
+  string(REGEX REPLACE "(0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,)" "\\1\n" bytes "${bytes}")
+  string(APPEND bodies "static const unsigned char text_${index}[] = {\n${bytes}0x00};\n")
+  string(APPEND names "    \"${name}\",\n")
+  string(APPEND texts "    (const char *)text_${index},\n")
+  math(EXPR index "${index} + 1")
+endforeach()
+file(WRITE ${OUT} "#include \"${NAME}.h\"\n${bodies}const char *const ${NAME}_names[] = {\n${names}    0};\n"
+  "const char *const ${NAME}_texts[] = {\n${texts}    0};\nconst unsigned ${NAME}_count = ${index};\n")

@@ -1,0 +1,98 @@
+/* The JSON scene file, parsed and checked but not yet imported. Keys, units and defaults: docs/scene.md.
+ * File names are made relative to the scene file's folder. Strings are never NULL. */
+#ifndef AIRLIGHT_SCENE_DESCRIPTION_H
+#define AIRLIGHT_SCENE_DESCRIPTION_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "airlight/scene.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct al_mesh_description {
+    char *name, *file;
+    int line;            /* in the scene file, for messages */
+    double unit_m;       /* metres per file unit */
+    double transform[16]; /* column-major, metres */
+    char *material;      /* overrides every material of the file when not "" */
+    bool hidden;         /* imported only as a boundary, blocker or light of others */
+} al_mesh_description;
+
+typedef enum al_density_type { AL_DENSITY_CONSTANT = 0, AL_DENSITY_GRID = 1, AL_DENSITY_LAYERS = 2 } al_density_type;
+
+typedef struct al_density_description {
+    al_density_type type;
+    int line;
+    double scale;       /* density = scale * value */
+    char *file, *grid;  /* grid: OpenVDB file and grid name ("" when the file has one float grid), "name[i]" */
+    double grid_to_world[16]; /* places the grid's own world space in the scene's, column-major */
+    bool has_bounds;
+    double bounds_min_m[3], bounds_max_m[3]; /* of the medium; default: the grid's active box */
+    double axis[3], period_m, thickness_m, offset_m; /* layers along a unit axis: `high` where */
+    double low, high;   /* fract((x.axis - offset)/period) * period < thickness, else `low` */
+} al_density_description;
+
+typedef struct al_medium_description {
+    char *name;
+    int line;
+    double sigma_s_per_m[3], sigma_a_per_m[3]; /* albedo and mean free path are converted */
+    double g;
+    al_density_description density;
+} al_medium_description;
+
+typedef struct al_translucent_description {
+    char *name, *mesh, *medium;
+    char **blockers;
+    uint32_t blocker_count;
+    int line;
+} al_translucent_description;
+
+typedef struct al_environment_description {
+    char *file; /* "" : none or constant */
+    double radiance[3]; /* of a constant environment, W/(m2 sr) */
+    double scale, rotation_y_radians;
+    int line;
+} al_environment_description;
+
+typedef struct al_bake_settings {
+    uint32_t directions;     /* even, 2 to 4096 */
+    uint32_t grid_resolution;/* voxels along the longest axis of the boundary's box, 1 to 512 */
+    uint32_t samples;        /* asked count; 0 with radius_m > 0: the count follows from the radius */
+    double radius_m;         /* > 0: base radius as published */
+    uint32_t sh_order;       /* 1 to 8 */
+    uint32_t coefficient_format; /* al_coefficient_format */
+    uint32_t seed;
+} al_bake_settings;
+
+typedef struct al_scene_description {
+    char *path, *folder;
+    double unit_m;
+    uint32_t mesh_count, material_count, light_count, camera_count, medium_count, translucent_count;
+    al_mesh_description *meshes;
+    al_material *materials; /* textures are AL_NO_INDEX here */
+    al_light *lights;
+    al_camera *cameras;
+    al_medium_description *media;
+    al_translucent_description *translucents;
+    al_environment_description environment;
+    al_bake_settings bake;  /* what the scene file says over the defaults of `quality` */
+    al_play_settings play;
+} al_scene_description;
+
+typedef enum al_quality { AL_QUALITY_PREVIEW = 0, AL_QUALITY_MEDIUM = 1, AL_QUALITY_FINAL = 2 } al_quality;
+
+/* The settings a quality stands for: where the scene file says nothing. */
+al_bake_settings al_bake_settings_for(al_quality quality);
+
+/* Parses and validates. Unknown keys, wrong types and ranges: AL_BAD_INPUT naming file, line and key path. */
+al_status al_scene_description_read(const char *path, al_quality quality, al_scene_description **description,
+                                    al_error *error);
+void al_scene_description_free(al_scene_description *description);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
