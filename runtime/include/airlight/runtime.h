@@ -1,0 +1,117 @@
+/* airlight's OpenGL 4.5 runtime. The host owns the context, the window and the final targets.
+ *
+ * It does not: create contexts, open windows, load anything but baked folders, animate the host's camera.
+ *   1. Make a core 4.5 context current; al_runtime_create.
+ *   2. al_runtime_load starts a loader thread; it never touches GL.
+ *   3. Every frame: al_runtime_update uploads what has arrived, al_runtime_draw draws.
+ * GL state: al_runtime_draw changes program, vertex array, framebuffer, viewport, blend, depth, cull,
+ * texture, image and buffer bindings and restores none but the framebuffer binding and viewport: hosts set
+ * what they need. Passes run in KHR_debug groups named as in al_pass_name.
+ * Thread safety: all calls from the thread whose context is current. */
+#ifndef AIRLIGHT_RUNTIME_H
+#define AIRLIGHT_RUNTIME_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "airlight/scene.h"
+#include "airlight/status.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct al_runtime al_runtime;
+
+typedef struct al_runtime_options {
+    const char *shader_folder; /* NULL: the embedded shaders; else *.glsl and stages from this folder */
+} al_runtime_options;
+
+/* AL_NO_DEVICE without OpenGL 4.5. options may be NULL. */
+al_status al_runtime_create(const al_runtime_options *options, al_runtime **runtime, al_error *error);
+void al_runtime_destroy(al_runtime *runtime);
+
+/* Opens DIR/scene.air, then starts the loader thread for everything it names. Replaces what was loaded. */
+al_status al_runtime_load(al_runtime *runtime, const char *folder, al_error *error);
+
+typedef struct al_load_state {
+    uint64_t samples_loaded, samples_total; /* of all translucent objects */
+    bool ready;                             /* something can be drawn */
+    bool complete;
+} al_load_state;
+
+/* Uploads what has arrived, at most `byte_budget` bytes (0: no limit). A failed asset: its error, once. */
+al_status al_runtime_update(al_runtime *runtime, uint64_t byte_budget, al_load_state *state, al_error *error);
+
+/* The loaded scene; lights, instances' world matrices and play settings may be changed between frames.
+ * NULL before a load. Valid until the next load. */
+al_scene *al_runtime_scene(al_runtime *runtime);
+
+typedef enum al_view_leg {
+    AL_VIEW_LEG_MARCHED = 0, /* transmittance towards the eye from a transmittance interval map */
+    AL_VIEW_LEG_SH = 1       /* as published: from each sample's spherical harmonics */
+} al_view_leg;
+
+typedef enum al_pass {
+    AL_PASS_COMPOSITE = 0,   /* everything */
+    AL_PASS_TRANSLUCENT,     /* the samples' light alone */
+    AL_PASS_SURFACE,         /* surface shading alone */
+    AL_PASS_NORMAL,          /* of the nearest surface, n * 0.5 + 0.5 */
+    AL_PASS_DEPTH,           /* distance to the eye of the nearest surface, metres */
+    AL_PASS_INTERVALS,       /* distances of the first three interval knots, metres */
+    AL_PASS_UNITY,           /* the line integral of sum gamma over the chord: 1 where it sums to one */
+    AL_PASS_COUNT
+} al_pass;
+const char *al_pass_name(al_pass pass); /* "composite", "translucent", ... */
+
+/* Knobs; all zero is the default and the best-looking. */
+typedef struct al_settings {
+    uint32_t sample_limit;    /* per object; 0: all that are loaded */
+    uint32_t sh_order;        /* 0: as baked */
+    al_view_leg view_leg;
+    bool surface_off;         /* no surface shading of translucent objects */
+    bool clip_off;            /* splats are not clipped by the object's front (published figure 4) */
+    bool normalise_off;       /* marched view leg: do not divide by the sum of the Gaussians */
+    bool shadows_off;
+    bool detail_off;          /* no level of detail by distance */
+    bool background_off;      /* black instead of the environment */
+    uint32_t interval_count;  /* knots of the interval map, 0: 16; 4 to 32 */
+    float march_voxels;       /* step of the march in voxels, 0: 0.5 */
+    al_pass pass;
+} al_settings;
+
+typedef struct al_view {
+    float view[16], projection[16]; /* column-major, OpenGL clip space, depth 0 to 1 after the viewport */
+    uint32_t width, height;
+} al_view;
+
+/* Draws linear radiance before exposure into `framebuffer` (its colour 0, cleared by the call; RGBA16F or
+ * RGBA32F) at view.width x view.height. `depth_texture` (0 for none, GL_DEPTH_COMPONENT32F, same size) holds
+ * the host's own opaque geometry: it hides and clips ours. */
+al_status al_runtime_draw(al_runtime *runtime, const al_view *view, const al_settings *settings,
+                          uint32_t framebuffer, uint32_t depth_texture, al_error *error);
+
+typedef struct al_pass_time {
+    const char *name;
+    double ms;
+} al_pass_time;
+/* GPU times of the last frame whose timer queries have come back; answers how many were written. */
+uint32_t al_runtime_times(al_runtime *runtime, al_pass_time *times, uint32_t limit);
+/* Bytes of buffers and textures the runtime holds; samples drawn in the last frame. */
+uint64_t al_runtime_memory(const al_runtime *runtime);
+uint64_t al_runtime_samples(const al_runtime *runtime);
+
+typedef struct al_plan_row {
+    const char *step;
+    bool needed;
+    const char *why;
+    double seconds; /* per frame, estimated */
+    uint64_t bytes;
+} al_plan_row;
+/* What this scene makes the runtime run, and what not, and why. Valid until the next load. */
+const al_plan_row *al_runtime_plan(al_runtime *runtime, uint32_t *count);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
