@@ -7,18 +7,41 @@
 #include <stdint.h>
 
 #include "airlight/scene.h"
+#include "airlight/translucent.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
+typedef enum al_shape_type {
+    AL_SHAPE_NONE = 0,   /* the mesh comes from a file */
+    AL_SHAPE_SPHERE = 1, /* icosphere, vertices on the sphere */
+    AL_SHAPE_BOX = 2,
+    AL_SHAPE_PLANE = 3, /* rectangle in the plane y = 0, facing +y: not closed */
+    AL_SHAPE_TORUS = 4  /* about the y axis */
+} al_shape_type;
+
+typedef struct al_shape_description { /* centred on the origin; which fields count depends on the type */
+    al_shape_type type;
+    double radius_m;
+    double size_m[3];
+    double width_m, depth_m; /* along x and z */
+    double major_radius_m, minor_radius_m;
+    uint32_t subdivisions; /* 20 * 4^subdivisions triangles, at most 8 */
+    uint32_t major_segments, minor_segments;
+} al_shape_description;
+
 typedef struct al_mesh_description {
-    char *name, *file;
+    char *name;
+    char *file;          /* "" for a shape */
+    char *node;          /* only this node of the file and what hangs on it; "": all */
     int line;            /* in the scene file, for messages */
+    al_shape_description shape;
     double unit_m;       /* metres per file unit */
     double transform[16]; /* column-major, metres */
     char *material;      /* overrides every material of the file when not "" */
     bool hidden;         /* imported only as a boundary, blocker or light of others */
+    bool import_lights, import_cameras; /* those in the file */
 } al_mesh_description;
 
 typedef enum al_density_type { AL_DENSITY_CONSTANT = 0, AL_DENSITY_GRID = 1, AL_DENSITY_LAYERS = 2 } al_density_type;
@@ -39,6 +62,7 @@ typedef struct al_medium_description {
     char *name;
     int line;
     double sigma_s_per_m[3], sigma_a_per_m[3]; /* albedo and mean free path are converted */
+    char *absorption_mesh, *absorption_material; /* sigma_a from this mesh file's material, or "" */
     double g;
     al_density_description density;
 } al_medium_description;
@@ -80,6 +104,7 @@ typedef struct al_scene_description {
     al_environment_description environment;
     al_bake_settings bake;  /* what the scene file says over the defaults of `quality` */
     al_play_settings play;
+    void *storage; /* private: what al_scene_description_free frees */
 } al_scene_description;
 
 typedef enum al_quality { AL_QUALITY_PREVIEW = 0, AL_QUALITY_MEDIUM = 1, AL_QUALITY_FINAL = 2 } al_quality;
@@ -90,7 +115,33 @@ al_bake_settings al_bake_settings_for(al_quality quality);
 /* Parses and validates. Unknown keys, wrong types and ranges: AL_BAD_INPUT naming file, line and key path. */
 al_status al_scene_description_read(const char *path, al_quality quality, al_scene_description **description,
                                     al_error *error);
-void al_scene_description_free(al_scene_description *description);
+void al_scene_description_free(al_scene_description *description); /* NULL is allowed */
+
+/* --- the keys of a scene file, for the schema and its test --- */
+typedef enum al_scene_type {
+    AL_SCENE_STRING,
+    AL_SCENE_NUMBER,  /* within [minimum, maximum] */
+    AL_SCENE_INTEGER, /* within [minimum, maximum] */
+    AL_SCENE_BOOL,
+    AL_SCENE_TRIPLE,  /* one number for all, or three; each within [minimum, maximum] */
+    AL_SCENE_VECTOR,  /* three numbers */
+    AL_SCENE_MATRIX,  /* 16 numbers, column-major */
+    AL_SCENE_CHOICE,  /* one of `words` */
+    AL_SCENE_NAMES,   /* list of strings */
+    AL_SCENE_OBJECT,  /* an object of kind `words` */
+    AL_SCENE_LIST     /* list of objects of kind `words` */
+} al_scene_type;
+
+typedef struct al_scene_key {
+    const char *object, *key;
+    al_scene_type type;
+    bool required;
+    double minimum, maximum;
+    const char *words; /* "a|b|c", or the kind of object */
+    size_t offset;     /* private */
+} al_scene_key;
+
+const al_scene_key *al_scene_keys(size_t *count);
 
 #ifdef __cplusplus
 }
