@@ -1,0 +1,27 @@
+#!/bin/sh
+# install_test.sh BUILD: installs the build into a fresh prefix, then builds and runs a host against it, once by
+# find_package and once by pkg-config.
+set -eu
+
+build=$1
+here=$(cd "$(dirname "$0")" && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# What a host program needs; the programs may still be on their way when only libraries were built.
+cmake --install "$build" --prefix "$work/prefix" >"$work/install.log" || { cat "$work/install.log"; exit 1; }
+for program in bake play inspect reference compare tetrahedra; do
+    "$work/prefix/bin/airlight-$program" --version
+done
+
+cd "$work"
+cmake -S "$here/consumer" -B package -DCMAKE_PREFIX_PATH="$work/prefix"
+cmake --build package
+package/consumer
+
+pc=$(dirname "$(find "$work/prefix" -name airlight-runtime.pc)")
+export PKG_CONFIG_PATH="$pc"
+# shellcheck disable=SC2046
+${CC:-cc} "$here/consumer/consumer.c" $(pkg-config --define-variable=prefix="$work/prefix" --cflags --libs \
+    airlight-runtime) -o by_pkg_config
+./by_pkg_config
