@@ -22,6 +22,12 @@ void al_moment_free(al_moment_state *state)
     *state = (al_moment_state){0};
 }
 
+void al_moment_finish(const al_sweep *sweep, al_moment_state *state)
+{
+    float weight = (float)(4 * AL_PI / sweep->direction_count);
+    for (size_t i = 0; i < 3 * al_grid_count(sweep->grid); i++) state->total[i] *= weight;
+}
+
 static al_status add_batch(al_sweep *sweep, cl_kernel kernel, cl_mem directions, cl_mem planes, uint32_t first, uint32_t count,
                            double sigma, al_error *error)
 {
@@ -75,10 +81,6 @@ al_status al_moment_run(al_sweep *sweep, double sigma, al_moment_state *state, a
         status = al_device_write(sweep->device, planes, state->planes, bytes, error);
         state->axis = a + 1;
         state->next = 0;
-    }
-    if (status == AL_OK) {
-        float weight = (float)(4 * AL_PI / sweep->direction_count);
-        for (size_t i = 0; i < 3 * al_grid_count(sweep->grid); i++) state->total[i] *= weight;
     }
     al_device_release(&directions);
     al_device_release(&planes);

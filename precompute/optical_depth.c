@@ -138,6 +138,7 @@ static void ray_range(int32_t lowest_shift, int32_t highest_shift, cl_int count,
 al_status al_sweep_run(al_sweep *sweep, uint32_t first, uint32_t count, double sigma, al_error *error)
 {
     uint32_t slices = (uint32_t)sweep->shape.s[2];
+    double started_s = al_program_seconds();
     cl_int2 *shifts = malloc(count * slices * sizeof *shifts);
     cl_float2 *fractions = malloc(count * slices * sizeof *fractions);
     cl_int4 rays[BATCH_LIMIT];
@@ -178,6 +179,8 @@ al_status al_sweep_run(al_sweep *sweep, uint32_t first, uint32_t count, double s
                                AL_ARGUMENT(sweep->stride), AL_ARGUMENT(sweep->forward), AL_ARGUMENT(sweep->backward)};
     if (status == AL_OK)
         status = al_device_run(sweep->device, sweep->kernel, size, arguments, sizeof arguments / sizeof *arguments, error);
+    if (status == AL_OK) status = al_device_finish(sweep->device, error);
+    sweep->seconds += al_program_seconds() - started_s;
 cleanup:
     free(shifts);
     free(fractions);

@@ -27,6 +27,7 @@ typedef struct al_sweep {
     uint32_t direction_count;
     uint32_t *pairs;           /* indices of the directions whose dominant axis this is */
     uint32_t pair_count;
+    double seconds;            /* spent marching rays, all runs together */
 } al_sweep;
 
 /* memory_limit in bytes bounds the batch. sigma_smallest: the least positive extinction that will be swept,
@@ -45,7 +46,7 @@ void al_sweep_direction(const al_sweep *sweep, uint32_t index, double w[3]);
  * density 1), count <= batch. */
 al_status al_sweep_run(al_sweep *sweep, uint32_t first, uint32_t count, double sigma, al_error *error);
 
-/* Copies one padded field of the current axis to or from [z][y][x] of the grid. */
+/* Adds one padded field of the current axis to values [z][y][x] of the grid. */
 void al_sweep_unpad_add(const al_sweep *sweep, const float *padded, float *grid_values);
 
 /* 3. First moment T [3][z][y][x] of psi at extinction `sigma`. `state` continues an interrupted call. */
@@ -56,8 +57,10 @@ typedef struct al_moment_state {
     size_t plane_size;   /* floats of one of them */
 } al_moment_state;
 al_status al_moment_begin(const al_sweep *sweep, al_moment_state *state, al_error *error);
-/* AL_CANCELLED leaves a state that can be saved and continued. On AL_OK state->total holds T. */
+/* AL_CANCELLED leaves a state that can be saved and continued. */
 al_status al_moment_run(al_sweep *sweep, double sigma, al_moment_state *state, al_progress *progress, al_error *error);
+/* Once after the last al_moment_run: state->total becomes T. */
+void al_moment_finish(const al_sweep *sweep, al_moment_state *state);
 void al_moment_free(al_moment_state *state);
 
 /* 4. rho [z][y][x] = |div T| in 1/m. */

@@ -1,0 +1,40 @@
+/* The bake of one translucent object: voxelise, optical depth, moment, divergence, sample, project, write. */
+#ifndef AIRLIGHT_BAKE_OBJECT_H
+#define AIRLIGHT_BAKE_OBJECT_H
+
+#include "airlight/program.h"
+#include "device.h"
+#include "import.h"
+
+enum { AL_STEP_LIMIT = 16 };
+
+typedef struct al_step { /* what report.json says of a step */
+    const char *name;
+    double seconds;
+    uint64_t bytes_written, items;
+} al_step;
+
+typedef struct al_steps {
+    al_step steps[AL_STEP_LIMIT];
+    unsigned count;
+} al_steps;
+
+typedef struct al_bake_options {
+    const al_program *program;
+    const char *folder;
+    unsigned threads;
+    size_t memory_limit; /* bytes for the sweep's fields */
+} al_bake_options;
+
+/* Name of the asset's file in the folder, at most `size` bytes with its terminator. */
+void al_bake_object_file(const al_translucent_object *object, char *name, size_t size);
+
+/* Content hash of everything the asset depends on. */
+al_status al_bake_object_key(const al_import *import, uint32_t index, uint64_t *key, al_error *error);
+
+/* Bakes object `index` into the folder. Cancelled: what is done is kept beside the asset as NAME.partial and
+ * the next call with the same key goes on from there, to the same bytes. */
+al_status al_bake_object(const al_import *import, uint32_t index, uint64_t key, al_device *device,
+                         const al_bake_options *options, al_steps *steps, al_error *error);
+
+#endif
