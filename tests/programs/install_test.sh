@@ -8,7 +8,6 @@ here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# What a host program needs; the programs may still be on their way when only libraries were built.
 cmake --install "$build" --prefix "$work/prefix" >"$work/install.log" || { cat "$work/install.log"; exit 1; }
 for program in bake play inspect reference compare tetrahedra; do
     "$work/prefix/bin/airlight-$program" --version
