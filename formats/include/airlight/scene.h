@@ -126,6 +126,11 @@ al_status al_scene_write(const char *path, const al_scene *scene, const char *pr
                          al_error *error);
 void al_scene_free(al_scene *scene); /* safe on a zeroed scene */
 
+/* Memory of the scene, for who fills one: zeroed, aligned for any type, freed by al_scene_free alone. NULL
+ * when there is none left; a size of 0 is allowed. Not for two threads at once on the same scene. */
+void *al_scene_allocate(al_scene *scene, size_t size);
+char *al_scene_text(al_scene *scene, const char *text); /* a copy of the text; NULL as above */
+
 #ifdef __cplusplus
 }
 #endif
