@@ -1,0 +1,143 @@
+#include "options.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "picture.h"
+
+/* What the parser writes to before it becomes settings. */
+typedef struct raw_options {
+    const char *pass, *view_leg;
+    int samples, sh_order, intervals;
+    double march_step;
+    bool no_surface, no_background, no_clip, no_normalise, no_shadows, no_lod;
+} raw_options;
+
+static int refuse(const al_program *program, const char *format, ...) AL_PRINTF(2, 3);
+static int refuse(const al_program *program, const char *format, ...)
+{
+    al_error error = {.status = AL_USAGE};
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(error.message, sizeof error.message, format, arguments);
+    va_end(arguments);
+    return al_program_fail(program, &error);
+}
+
+static int set_pass(const al_program *program, const char *name, al_pass *pass)
+{
+    char names[512] = "";
+    for (int i = 0; i < AL_PASS_COUNT; i++) {
+        const char *known = al_pass_name((al_pass)i);
+        if (!strcmp(name, known)) return *pass = (al_pass)i, -1;
+        size_t used = strlen(names);
+        snprintf(names + used, sizeof names - used, "%s%s", used ? ", " : "", known);
+    }
+    return refuse(program, "--pass takes one of %s, not '%s'", names, name);
+}
+
+static int set_view_leg(const al_program *program, const char *name, al_view_leg *leg)
+{
+    if (!strcmp(name, "marched")) return *leg = AL_VIEW_LEG_MARCHED, -1;
+    if (!strcmp(name, "sh")) return *leg = AL_VIEW_LEG_SH, -1;
+    return refuse(program, "--view-leg takes marched or sh, not '%s'", name);
+}
+
+static int check(const al_program *program, const al_play_options *options)
+{
+    if (options->headless && !options->folder)
+        return refuse(program, "--headless needs the baked folder to draw; see %s --help", program->name);
+    if (!options->headless && (options->out.count || options->stats || options->accumulate || options->first_picture))
+        return refuse(program, "--out, --stats, --accumulate and --first-picture need --headless");
+    for (int i = 0; i < options->out.count; i++) {
+        const char *path = options->out.values[i];
+        if (!al_picture_has_ending(path, ".exr") && !al_picture_has_ending(path, ".png"))
+            return refuse(program, "--out takes a name that ends in .exr or .png, not '%s'", path);
+    }
+    return -1;
+}
+
+static int apply(const al_program *program, const raw_options *raw, al_play_options *options)
+{
+    al_settings *s = &options->settings;
+    s->sample_limit = (uint32_t)raw->samples;
+    s->sh_order = (uint32_t)raw->sh_order;
+    s->interval_count = (uint32_t)raw->intervals;
+    s->march_voxels = (float)raw->march_step;
+    s->surface_off = raw->no_surface;
+    s->background_off = raw->no_background;
+    s->clip_off = raw->no_clip;
+    s->normalise_off = raw->no_normalise;
+    s->shadows_off = raw->no_shadows;
+    s->detail_off = raw->no_lod;
+    options->headless |= options->plan;
+    int code = set_pass(program, raw->pass, &s->pass);
+    if (code < 0) code = set_view_leg(program, raw->view_leg, &s->view_leg);
+    return code < 0 ? check(program, options) : code;
+}
+
+int al_play_options_parse(al_program *program, int argc, char **argv, al_play_options *options)
+{
+    raw_options raw = {.pass = "composite", .view_leg = "marched"};
+    *options = (al_play_options){.size = {1280, 720}, .frames = 1, .fps = 60, .exposure_ev = NAN};
+    const al_option table[] = {
+        {"--headless", NULL, AL_OPTION_FLAG, &options->headless, "render without a display, then end", 0, 0},
+        {"--size", "WxH", AL_OPTION_SIZE, options->size, "picture or window size (1280x720)", 1, 8192},
+        {"--frames", "N", AL_OPTION_INT, &options->frames, "headless: how many frames (1)", 1, 1e6},
+        {"--fps", "F", AL_OPTION_REAL, &options->fps, "headless: frame i shows time i / F (60)", 1e-3, 1e6},
+        {"--out", "FILE", AL_OPTION_LIST, &options->out,
+         "headless: FILE.exr (linear) or FILE.png; %04d for every frame; may be repeated", 0, 0},
+        {"--accumulate", NULL, AL_OPTION_FLAG, &options->accumulate, "headless: average the frames, antialiased", 0, 0},
+        {"--stats", "FILE", AL_OPTION_STRING, &options->stats, "headless: write times and sizes as JSON", 0, 0},
+        {"--first-picture", NULL, AL_OPTION_FLAG, &options->first_picture,
+         "headless: draw while loading, to time the first picture", 0, 0},
+        {"--camera", "NAME", AL_OPTION_STRING, &options->camera, "a camera of the scene (its first)", 0, 0},
+        {"--exposure", "EV", AL_OPTION_REAL, &options->exposure_ev, "brightness 2^EV of windows and PNG (the scene's)",
+         -60, 60},
+        {"--pass", "NAME", AL_OPTION_STRING, &raw.pass, "show one intermediate buffer (composite)", 0, 0},
+        {"--plan", NULL, AL_OPTION_FLAG, &options->plan, "only say which passes the scene needs, and why", 0, 0},
+        {"--watch", NULL, AL_OPTION_FLAG, &options->watch, "load what was baked anew", 0, 0},
+        {"--samples", "N", AL_OPTION_INT, &raw.samples, "samples per object, at most (all)", 1, 2147483647},
+        {"--sh-order", "N", AL_OPTION_INT, &raw.sh_order, "bands of spherical harmonics (as baked)", 1, 8},
+        {"--view-leg", "KIND", AL_OPTION_STRING, &raw.view_leg, "transmittance to the eye: marched or sh (marched)", 0, 0},
+        {"--intervals", "N", AL_OPTION_INT, &raw.intervals, "knots of the marched view leg (16)", 4, 32},
+        {"--march-step", "V", AL_OPTION_REAL, &raw.march_step, "step of the march in voxels (0.5)", 0.01, 100},
+        {"--no-surface", NULL, AL_OPTION_FLAG, &raw.no_surface, "no shading of translucent surfaces", 0, 0},
+        {"--no-background", NULL, AL_OPTION_FLAG, &raw.no_background, "black instead of the environment", 0, 0},
+        {"--no-clip", NULL, AL_OPTION_FLAG, &raw.no_clip, "splats are not clipped by the object's front", 0, 0},
+        {"--no-normalise", NULL, AL_OPTION_FLAG, &raw.no_normalise, "do not divide by the sum of the Gaussians", 0, 0},
+        {"--no-shadows", NULL, AL_OPTION_FLAG, &raw.no_shadows, "no shadow maps, no tinted shadows", 0, 0},
+        {"--no-lod", NULL, AL_OPTION_FLAG, &raw.no_lod, "all samples at any distance", 0, 0},
+    };
+    program->options = table;
+    program->option_count = sizeof table / sizeof table[0];
+    size_t count = 0;
+    int code = al_program_parse(program, argc, argv, &options->folder, 0, 1, &count);
+    program->options = NULL;
+    program->option_count = 0;
+    return code < 0 ? apply(program, &raw, options) : code;
+}
+
+double al_play_exposure(const al_play_options *options, const al_scene *scene)
+{
+    return isnan(options->exposure_ev) ? scene->play.exposure_ev : options->exposure_ev;
+}
+
+al_status al_play_camera(const al_play_options *options, const al_scene *scene, const al_camera **camera,
+                         al_error *error)
+{
+    char names[512] = "";
+    *camera = NULL;
+    for (uint32_t i = 0; i < scene->camera_count && !*camera; i++) {
+        const char *name = scene->cameras[i].name;
+        if (!options->camera || !strcmp(options->camera, name)) *camera = &scene->cameras[i];
+        size_t used = strlen(names);
+        snprintf(names + used, sizeof names - used, "%s%s", used ? ", " : "", name);
+    }
+    if (*camera) return AL_OK;
+    if (!options->camera) return al_fail(error, AL_BAD_INPUT, "%s: the scene has no camera", options->folder);
+    return al_fail(error, AL_BAD_INPUT, "%s: no camera is named '%s'; there are: %s", options->folder, options->camera,
+                   names);
+}

@@ -1,0 +1,213 @@
+#include "panel.h"
+
+#include <backends/imgui_impl_glfw.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include <cmath>
+
+static const char *const keys_text = "left drag      orbit\n"
+                                     "right drag     look around\n"
+                                     "wheel          nearer, farther\n"
+                                     "W A S D Q E    fly (shift: faster)\n"
+                                     "F              show everything\n"
+                                     "1 to 9         the scene's cameras\n"
+                                     "+ -            exposure\n"
+                                     "P              screenshot (EXR and PNG)\n"
+                                     "Tab            panel on, off\n"
+                                     "H              this list\n"
+                                     "Esc            end\n"
+                                     "drop a baked folder to open it";
+
+bool al_panel_create(GLFWwindow *window)
+{
+    IMGUI_CHECKVERSION();
+    ImGui::CreateContext();
+    ImGui::GetIO().IniFilename = nullptr;
+    ImGui::StyleColorsDark();
+    ImGui::GetStyle().WindowRounding = 4;
+    if (ImGui_ImplGlfw_InitForOpenGL(window, true)) {
+        if (ImGui_ImplOpenGL3_Init("#version 450 core")) return true;
+        ImGui_ImplGlfw_Shutdown();
+    }
+    ImGui::DestroyContext();
+    return false;
+}
+
+void al_panel_destroy()
+{
+    ImGui_ImplOpenGL3_Shutdown();
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext();
+}
+
+bool al_panel_wants_mouse() { return ImGui::GetIO().WantCaptureMouse; }
+bool al_panel_wants_keyboard() { return ImGui::GetIO().WantCaptureKeyboard; }
+
+/* Direction as azimuth about +y and height, degrees: stays a unit vector. */
+static void edit_direction(float vector[3])
+{
+    float degrees[2] = {std::atan2(vector[0], vector[2]) * 57.29578f,
+                        std::asin(std::fmin(1.0f, std::fmax(-1.0f, vector[1]))) * 57.29578f};
+    if (!ImGui::DragFloat2("azimuth, height", degrees, 0.5f, -180, 180, "%.1f deg")) return;
+    float height = std::fmin(90.0f, std::fmax(-90.0f, degrees[1])) / 57.29578f, azimuth = degrees[0] / 57.29578f;
+    vector[0] = std::cos(height) * std::sin(azimuth);
+    vector[1] = std::sin(height);
+    vector[2] = std::cos(height) * std::cos(azimuth);
+}
+
+/* Strength and colour apart, so that one drag dims a light without tinting it. */
+static void edit_intensity(const char *unit, float intensity[3])
+{
+    float strength = std::fmax(intensity[0], std::fmax(intensity[1], intensity[2])), before = strength;
+    float color[3] = {1, 1, 1};
+    for (int i = 0; i < 3 && strength > 0; i++) color[i] = intensity[i] / strength;
+    bool changed = ImGui::DragFloat(unit, &strength, 0.01f * (before + 0.1f), 0, 1e9f, "%.4g");
+    changed |= ImGui::ColorEdit3("colour", color, ImGuiColorEditFlags_Float);
+    for (int i = 0; i < 3 && changed; i++) intensity[i] = std::fmax(0.0f, strength * color[i]);
+}
+
+static void show_lights(al_scene *scene)
+{
+    if (!ImGui::CollapsingHeader("lights", ImGuiTreeNodeFlags_DefaultOpen)) return;
+    for (uint32_t i = 0; i < scene->light_count; i++) {
+        al_light *light = &scene->lights[i];
+        ImGui::PushID((int)i);
+        if (ImGui::TreeNodeEx("light", i < 2 ? ImGuiTreeNodeFlags_DefaultOpen : 0, "%s", light->name)) {
+            if (light->type == AL_LIGHT_DIRECTIONAL) {
+                edit_intensity("W/m2", light->intensity);
+                edit_direction(light->vector);
+            } else {
+                edit_intensity("W/sr", light->intensity);
+                ImGui::DragFloat3("position, m", light->vector, 0.01f);
+            }
+            ImGui::TreePop();
+        }
+        ImGui::PopID();
+    }
+}
+
+static void show_picture(al_panel_state *state, const al_scene *scene)
+{
+    if (!ImGui::CollapsingHeader("picture", ImGuiTreeNodeFlags_DefaultOpen)) return;
+    ImGui::SliderFloat("exposure, EV", state->exposure_ev, -10, 10, "%.2f");
+    const char *camera = *state->camera >= 0 ? scene->cameras[*state->camera].name : "(free)";
+    if (ImGui::BeginCombo("camera", camera)) {
+        for (uint32_t i = 0; i < scene->camera_count; i++)
+            if (ImGui::Selectable(scene->cameras[i].name, (int)i == *state->camera)) *state->camera = (int)i;
+        ImGui::EndCombo();
+    }
+    if (ImGui::BeginCombo("pass", al_pass_name(state->settings->pass))) {
+        for (int i = 0; i < AL_PASS_COUNT; i++)
+            if (ImGui::Selectable(al_pass_name((al_pass)i), i == (int)state->settings->pass))
+                state->settings->pass = (al_pass)i;
+        ImGui::EndCombo();
+    }
+}
+
+/* A slider over a setting in which 0 stands for `all`. */
+static void edit_count(const char *label, const char *all_format, uint32_t *value, uint32_t most, bool logarithmic)
+{
+    int shown = (int)(*value ? *value : most);
+    const char *format = *value ? "%d" : all_format;
+    if (ImGui::SliderInt(label, &shown, 1, (int)most, format, logarithmic ? ImGuiSliderFlags_Logarithmic : 0))
+        *value = shown >= (int)most ? 0 : (uint32_t)shown;
+}
+
+static void show_quality(al_panel_state *state)
+{
+    if (!ImGui::CollapsingHeader("accuracy")) return;
+    al_settings *s = state->settings;
+    uint64_t total = state->load.samples_total;
+    if (total) edit_count("samples", "all (%d)", &s->sample_limit, (uint32_t)(total < 1000000000 ? total : 1000000000), true);
+    int order = (int)s->sh_order;
+    if (ImGui::SliderInt("SH order", &order, 0, 8, order ? "%d" : "as baked")) s->sh_order = (uint32_t)order;
+    static const char *const legs[] = {"marched", "SH, as published"};
+    int leg = (int)s->view_leg;
+    if (ImGui::Combo("view leg", &leg, legs, 2)) s->view_leg = (al_view_leg)leg;
+    int intervals = (int)(s->interval_count ? s->interval_count : 16);
+    if (ImGui::SliderInt("knots", &intervals, 4, 32)) s->interval_count = (uint32_t)intervals;
+    float step = s->march_voxels > 0 ? s->march_voxels : 0.5f;
+    if (ImGui::SliderFloat("march step, voxels", &step, 0.05f, 4)) s->march_voxels = step;
+    const struct {
+        const char *label;
+        bool *off;
+    } parts[] = {{"surface shading", &s->surface_off}, {"clip splats at the front", &s->clip_off},
+                 {"divide by the sum of Gaussians", &s->normalise_off}, {"shadows", &s->shadows_off},
+                 {"level of detail", &s->detail_off}, {"background", &s->background_off}};
+    for (const auto &part : parts) {
+        bool on = !*part.off;
+        if (ImGui::Checkbox(part.label, &on)) *part.off = !on;
+    }
+}
+
+static void show_times(const al_panel_state *state)
+{
+    if (!ImGui::CollapsingHeader("times", ImGuiTreeNodeFlags_DefaultOpen)) return;
+    ImGui::Text("frame %.2f ms, %.1f per second", state->frame_ms, 1000 / std::fmax(state->frame_ms, 1e-3));
+    double sum = 0;
+    for (uint32_t i = 0; i < state->time_count; i++) {
+        ImGui::Text("%-20s %8.3f ms", state->times[i].name, state->times[i].ms);
+        sum += state->times[i].ms;
+    }
+    ImGui::Text("%-20s %8.3f ms", "all passes", sum);
+    ImGui::Text("%-20s %8.1f MiB", "memory", (double)al_runtime_memory(state->runtime) / 1048576);
+    ImGui::Text("%-20s %8llu", "samples drawn", (unsigned long long)al_runtime_samples(state->runtime));
+}
+
+static void show_plan(al_runtime *runtime)
+{
+    if (!ImGui::CollapsingHeader("plan")) return;
+    uint32_t count = 0;
+    const al_plan_row *rows = al_runtime_plan(runtime, &count);
+    for (uint32_t i = 0; i < count; i++) {
+        ImGui::TextDisabled(rows[i].needed ? "on " : "off");
+        ImGui::SameLine();
+        ImGui::TextWrapped("%s: %s", rows[i].step, rows[i].why);
+    }
+}
+
+static void show_panel(al_panel_state *state)
+{
+    al_scene *scene = al_runtime_scene(state->runtime);
+    ImGui::SetNextWindowPos(ImVec2(8, 8), ImGuiCond_FirstUseEver);
+    ImGui::SetNextWindowSize(ImVec2(330, 560), ImGuiCond_FirstUseEver);
+    ImGui::Begin("airlight");
+    ImGui::PushItemWidth(150);
+    if (!scene) ImGui::TextWrapped("Drop a baked folder into this window.");
+    else ImGui::TextWrapped("%s", state->folder);
+    if (scene && !state->load.complete)
+        ImGui::ProgressBar(state->load.samples_total ? (float)state->load.samples_loaded / (float)state->load.samples_total : 0,
+                           ImVec2(-1, 0), "loading");
+    if (*state->message) ImGui::TextWrapped("%s", state->message);
+    if (scene) {
+        show_lights(scene);
+        show_picture(state, scene);
+        show_quality(state);
+        show_times(state);
+        show_plan(state->runtime);
+    }
+    ImGui::TextDisabled("H shows the keys");
+    ImGui::PopItemWidth();
+    ImGui::End();
+}
+
+static void show_help()
+{
+    ImVec2 size = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowPos(ImVec2(size.x * 0.5f, size.y * 0.5f), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
+    ImGui::Begin("keys", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse);
+    ImGui::TextUnformatted(keys_text);
+    ImGui::End();
+}
+
+void al_panel_draw(al_panel_state *state)
+{
+    ImGui_ImplOpenGL3_NewFrame();
+    ImGui_ImplGlfw_NewFrame();
+    ImGui::NewFrame();
+    show_panel(state);
+    if (state->help) show_help();
+    ImGui::Render();
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
