@@ -9,8 +9,9 @@ static inline float al_in_slice(global const float *field, int4 shape, float2 po
     float u = point.x - fraction.x, v = point.y - fraction.y;
     float whole_u = floor(u), whole_v = floor(v);
     global const float *at = field + al_at(shape, (int)whole_u, (int)whole_v, a);
+    size_t row = al_row(shape);
     float fu = u - whole_u, fv = v - whole_v;
-    return mix(mix(at[0], at[1], fu), mix(at[shape.w], at[shape.w + 1], fu), fv);
+    return mix(mix(at[0], at[1], fu), mix(at[row], at[row + 1], fu), fv);
 }
 
 static inline float al_at_point(global const float *field, int4 shape, float4 point,

@@ -5,6 +5,8 @@
 #include "airlight/formulas.h"
 #include "sweep.h"
 
+enum { GROUP = 32 /* voxels per work-item: opencl/moment.cl */ };
+
 al_status al_moment_begin(const al_sweep *sweep, al_moment_state *state, al_error *error)
 {
     *state = (al_moment_state){.plane_size = sweep->buffer_size};
@@ -40,7 +42,7 @@ static al_status add_batch(al_sweep *sweep, cl_kernel kernel, cl_mem directions,
     al_status status = al_sweep_run(sweep, first, count, sigma, error);
     if (status == AL_OK) status = al_device_write(sweep->device, directions, w, count * sizeof *w, error);
     cl_int pair_count = (cl_int)count;
-    size_t size[3] = {(size_t)(sweep->shape.s[0] + 7) / 8, (size_t)sweep->shape.s[1], (size_t)sweep->shape.s[2]};
+    size_t size[3] = {(size_t)(sweep->shape.s[0] + GROUP - 1) / GROUP, (size_t)sweep->shape.s[2], (size_t)sweep->shape.s[1]};
     al_argument arguments[] = {AL_ARGUMENT(sweep->forward), AL_ARGUMENT(sweep->backward), AL_ARGUMENT(sweep->shape),
                                AL_ARGUMENT(sweep->fractions), AL_ARGUMENT(directions), AL_ARGUMENT(pair_count),
                                AL_ARGUMENT(sweep->stride), AL_ARGUMENT(planes)};

@@ -6,7 +6,7 @@
 #include "airlight/sh.h"
 #include "sweep.h"
 
-enum { PAD_COLUMNS = 8, LANES = 8, BATCH_LIMIT = 16 };
+enum { PAD_COLUMNS = 8, LANES = 8, GROUP = 4 * LANES /* opencl/optical_depth.cl: BLOCKS */, BATCH_LIMIT = 16 };
 
 /* A voxel that is opaque throughout lets exp(-6) = 0.25 % through per voxel crossed; one that is opaque by
  * a share s lets 1 - s through. More would widen blockers, since density is interpolated between voxels. */
@@ -82,7 +82,7 @@ static uint32_t dominant_axis(const double w[3])
 /* Visits every voxel with its place in the padded field and in the grid. */
 static size_t padded_at(const al_sweep *sweep, uint32_t u, uint32_t v, uint32_t a)
 {
-    return ((size_t)a * (size_t)(sweep->shape.s[1] + 2) + v + 1) * (size_t)sweep->shape.s[3] + u + PAD_COLUMNS;
+    return ((size_t)(v + 1) * (size_t)sweep->shape.s[2] + a) * (size_t)sweep->shape.s[3] + u + PAD_COLUMNS;
 }
 
 static size_t grid_at(const al_sweep *sweep, uint32_t u, uint32_t v, uint32_t a)
@@ -164,8 +164,8 @@ al_status al_sweep_run(al_sweep *sweep, uint32_t first, uint32_t count, double s
             ray_range(end < 0 ? end : 0, end > 0 ? end : 0, sweep->shape.s[side], &rays[pair].s[side], &rays[pair].s[2 + side]);
         }
         lengths[pair] = (cl_float)(sigma * sweep->grid->voxel_m / main);
-        size_t blocks = (size_t)(rays[pair].s[2] + LANES - 1) / LANES, rows = (size_t)rays[pair].s[3];
-        if (blocks > size[0]) size[0] = blocks;
+        size_t groups = (size_t)(rays[pair].s[2] + GROUP - 1) / GROUP, rows = (size_t)rays[pair].s[3];
+        if (groups > size[0]) size[0] = groups;
         if (rows > size[1]) size[1] = rows;
     }
     struct { cl_mem buffer; const void *data; size_t size; } uploads[] = {

@@ -1,10 +1,13 @@
 /* Step 6: project. Spherical harmonics of the transmittance at the samples, by a second sweep that is read
- * at the samples only: psi = 1 - A, so that c(l, m) = sqrt(4 pi) [l = 0] - (4 pi / n) sum of A(w) Y(l, m; w). */
+ * at the samples only: psi = 1 - A, so that c(l, m) = sqrt(4 pi) [l = 0] - (4 pi / n) sum of A(w) Y(l, m; w).
+ * The sum over the n directions of Y(l, m) alone is not quite 0 for l > 0; the mean of A times that sum is
+ * taken out, so that constants are exact in thick media (A near 1) as in thin ones (A near 0). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "airlight/formulas.h"
+#include "airlight/sh.h"
 #include "sweep.h"
 
 static uint32_t blocks_for(uint32_t order)
@@ -126,8 +129,18 @@ void al_project_finish(const al_project_state *state, uint32_t direction_count, 
                        float *coefficients, size_t stride)
 {
     size_t run = blocks_for(order) * 8;
-    double weight = 4 * AL_PI / direction_count;
-    for (uint32_t i = 0; i < point_count; i++)
-        for (uint32_t c = 0; c < order * order; c++)
-            coefficients[i * stride + c] = (float)((c == 0 ? sqrt(4 * AL_PI) : 0) - weight * state->sums[i * run + c]);
+    double weight = 4 * AL_PI / direction_count, constant[AL_SH_MAX_COUNT] = {0};
+    for (uint32_t i = 0; i < direction_count; i++) {
+        double w[3], basis[AL_SH_MAX_COUNT];
+        al_direction_set(direction_count, i, w);
+        al_sh_basis((int)order, w[0], w[1], w[2], basis);
+        for (uint32_t c = 1; c < order * order; c++) constant[c] += weight * basis[c];
+    }
+    for (uint32_t i = 0; i < point_count; i++) {
+        const float *sums = state->sums + i * run;
+        double mean = weight * sums[0] / sqrt(4 * AL_PI);
+        coefficients[i * stride] = (float)(sqrt(4 * AL_PI) - weight * sums[0]);
+        for (uint32_t c = 1; c < order * order; c++)
+            coefficients[i * stride + c] = (float)(mean * constant[c] - weight * sums[c]);
+    }
 }

@@ -13,7 +13,7 @@ typedef struct al_sweep {
     const al_grid *grid;
     cl_kernel kernel;
     cl_mem density;            /* of the current axis, padded */
-    cl_mem forward, backward;  /* absorbance towards +w and -w: [batch][na][nv + 2][width] */
+    cl_mem forward, backward;  /* absorbance towards +w and -w: [batch][nv + 2][na][width] */
     cl_mem shifts, fractions, rays, lengths;
     uint32_t batch;            /* direction pairs at a time */
     size_t buffer_size;        /* floats of one padded field, the largest over the axes */
