@@ -1,0 +1,55 @@
+# What the command-line tests share. Sourced with bin=FOLDER of the programs; gives $work, a fresh folder that is
+# removed at the end, and the functions below. The script ends with `finish`.
+
+work=$(mktemp -d)
+mounted=
+clean_up() {
+    for place in $mounted; do umount "$place"; done
+    rm -rf "$work"
+}
+trap clean_up EXIT
+failures=0
+
+wrong() {
+    echo "FAILED: $*" >&2
+    failures=$((failures + 1))
+}
+
+skip() {
+    echo "SKIP: $*"
+    exit 77
+}
+
+# run CODE COMMAND...: the exit code must be CODE; output in $work/stdout and $work/stderr.
+run() {
+    wanted=$1
+    shift
+    code=0
+    "$@" >"$work/stdout" 2>"$work/stderr" || code=$?
+    [ "$code" = "$wanted" ] && return 0
+    wrong "exit code $code, not $wanted: $*"
+    cat "$work/stderr" >&2
+}
+
+# fails CODE WORDS COMMAND...: exits with CODE and says one line on standard error, which begins with a program's
+# name and contains WORDS (a file's name, say); nothing on standard output.
+fails() {
+    fails_code=$1 fails_words=$2
+    shift 2
+    run "$fails_code" "$@"
+    lines=$(wc -l <"$work/stderr")
+    [ "$lines" = 1 ] || wrong "$lines lines on standard error, not 1: $*: $(cat "$work/stderr")"
+    grep -Eq '^airlight-[a-z]+: ' "$work/stderr" || wrong "does not begin with the program: $(cat "$work/stderr")"
+    grep -qF -e "$fails_words" "$work/stderr" || wrong "does not name '$fails_words': $(cat "$work/stderr")"
+    [ ! -s "$work/stdout" ] || wrong "standard output is not empty: $*"
+}
+
+# empty FOLDER: does not exist or holds no file.
+empty() {
+    [ -z "$(find "$1" ! -type d 2>/dev/null)" ] || wrong "left behind: $(find "$1" ! -type d)"
+}
+
+finish() {
+    [ "$failures" = 0 ] || exit 1
+    echo "all as expected"
+}

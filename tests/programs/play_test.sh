@@ -1,0 +1,99 @@
+#!/bin/sh
+# play_test.sh BIN: airlight-play without a display, on a small baked scene.
+set -eu
+bin=$1
+. "$(dirname "$0")/expect.sh"
+
+cat >"$work/scene.json" <<'JSON'
+{
+  "meshes": [
+    {"name": "ball", "shape": {"type": "sphere", "radius_m": 0.5, "subdivisions": 3}},
+    {"name": "floor", "shape": {"type": "plane", "width_m": 4, "depth_m": 4}, "transform": {"translate_m": [0, -0.6, 0]}}
+  ],
+  "media": [{"name": "fog", "sigma_s_per_m": 3, "density": {"type": "constant"}}],
+  "translucents": [{"name": "ball", "mesh": "ball", "medium": "fog"}],
+  "lights": [{"type": "directional", "direction": [1, -1, -1], "irradiance_w_m2": 3}],
+  "cameras": [
+    {"name": "front", "position_m": [0, 0, 4], "target_m": [0, 0, 0], "fov_y_degrees": 30},
+    {"name": "top", "position_m": [0, 4, 0], "target_m": [0, 0, 0], "fov_y_degrees": 30}
+  ],
+  "bake": {"directions": 32, "grid_resolution": 16, "samples": 400, "sh_order": 3}
+}
+JSON
+run 0 "$bin/airlight-bake" "$work/scene.json" -o "$work/baked" --quiet
+
+play() {
+    "$bin/airlight-play" "$work/baked" --headless --size 48x32 "$@"
+}
+differs() { # by more than rounding
+    run 1 "$bin/airlight-compare" "$1" "$2" --fail-above max_abs=1e-3
+}
+same() {
+    run 0 "$bin/airlight-compare" "$1" "$2" --fail-above max_abs=0
+}
+
+# The same frame twice is the same picture; cameras, passes and knobs change it.
+run 0 play --out "$work/a.exr" --out "$work/a.png" --stats "$work/stats.json"
+[ ! -s "$work/stdout" ] && [ ! -s "$work/stderr" ] || wrong "says something: $(cat "$work/stderr")"
+[ -s "$work/a.png" ] || wrong "no PNG"
+run 0 play --out "$work/b.exr"
+same "$work/a.exr" "$work/b.exr"
+run 0 play --camera front --out "$work/b.exr"
+same "$work/a.exr" "$work/b.exr"
+run 0 play --camera top --out "$work/b.exr"
+differs "$work/a.exr" "$work/b.exr"
+run 0 play --pass translucent --out "$work/b.exr"
+differs "$work/a.exr" "$work/b.exr"
+run 0 play --no-surface --out "$work/b.exr"
+differs "$work/a.exr" "$work/b.exr"
+run 0 play --exposure 3 --out "$work/b.exr"
+same "$work/a.exr" "$work/b.exr" # EXR is before exposure
+run 0 play --samples 20 --no-surface --out "$work/b.exr"
+run 0 play --no-surface --out "$work/c.exr"
+differs "$work/b.exr" "$work/c.exr"
+
+# %04d numbers every frame; averaging moves the edges but not the mean.
+run 0 play --frames 3 --fps 10 --out "$work/f%04d.exr"
+for frame in 0000 0001 0002; do [ -s "$work/f$frame.exr" ] || wrong "no frame $frame"; done
+same "$work/f0000.exr" "$work/a.exr"
+run 0 play --frames 16 --accumulate --out "$work/mean.exr"
+differs "$work/a.exr" "$work/mean.exr"
+run 0 "$bin/airlight-compare" "$work/a.exr" "$work/mean.exr" --fail-above relative_rmse=0.5
+run 0 play --frames 1 --accumulate --out "$work/b.exr"
+same "$work/a.exr" "$work/b.exr"
+
+# Report fields.
+for field in passes name ms_median ms_min ms_max frame_ms_median memory_bytes surfels samples width height \
+    gl_renderer plan step needed why seconds bytes first_picture_ms last_sample_ms; do
+    grep -q "\"$field\":" "$work/stats.json" || wrong "stats.json has no $field"
+done
+grep -q '"width": 48' "$work/stats.json" || wrong "stats.json has another width"
+grep -q '"first_picture_ms": null' "$work/stats.json" || wrong "a first picture nobody asked for"
+run 0 play --first-picture --stats "$work/stats.json"
+grep -Eq '"first_picture_ms": [0-9]' "$work/stats.json" || wrong "the first picture was not timed"
+run 0 "$bin/airlight-play" "$work/baked" --plan
+grep -Eq ' (yes|no) ' "$work/stdout" || wrong "--plan says: $(cat "$work/stdout")"
+
+# Wrong usage.
+fails 2 "--headless needs" "$bin/airlight-play" --headless
+fails 2 "need --headless" "$bin/airlight-play" "$work/baked" --out "$work/b.exr"
+fails 2 "--pass takes one of composite" play --pass nonsense
+fails 2 "--view-leg takes marched or sh" play --view-leg nonsense
+fails 2 "b.jpg" play --out "$work/b.jpg"
+fails 2 "--size" play --size 0x10
+fails 2 "--size" play --size 8193x10
+fails 3 "front, top" play --camera nonsense
+
+# --watch draws again when the folder changes, and ends well when it is stopped.
+"$bin/airlight-play" "$work/baked" --headless --size 48x32 --watch --out "$work/w.exr" 2>"$work/watch" &
+player=$!
+for i in 1 2 3 4 5 6 7 8 9 10; do [ -s "$work/w.exr" ] && break; sleep 1; done
+sed -i 's/"irradiance_w_m2": 3/"irradiance_w_m2": 6/' "$work/scene.json"
+sleep 1
+run 0 "$bin/airlight-bake" "$work/scene.json" -o "$work/baked" --quiet
+for i in 1 2 3 4 5 6 7 8 9 10; do grep -q changed "$work/watch" && break; sleep 1; done
+sleep 2
+kill -TERM "$player"
+wait "$player" || wrong "--watch ends with $?"
+differs "$work/a.exr" "$work/w.exr"
+finish
