@@ -93,7 +93,9 @@ al_status al_stats_write(const char *path, const al_stats *stats, al_runtime *ru
         (int)stats->frame.count, "first_picture_ms", number(stats->first_picture_ms), "last_sample_ms",
         number(stats->last_sample_ms));
     char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
-    al_status status = text ? al_write_file(path, text, strlen(text), error)
+    size_t length = text ? strlen(text) : 0;
+    if (text) text[length] = '\n'; /* a file ends with a line's end; the terminator is not written */
+    al_status status = text ? al_write_file(path, text, length + 1, error)
                             : al_fail(error, AL_IO, "%s: out of memory", path);
     free(text);
     json_decref(root);
