@@ -1,0 +1,217 @@
+/* airlight-bake: imports a scene, plans, bakes every asset the scene needs. */
+#define _POSIX_C_SOURCE 200809L
+#include <errno.h>
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "airlight/program.h"
+#include "airlight/translucent.h"
+#include "bake_object.h"
+#include "report.h"
+
+typedef struct arguments {
+    const char *folder, *quality, *devices;
+    bool plan, list_devices;
+    int threads;
+    double memory_limit_mib;
+} arguments;
+
+typedef struct bake {
+    const al_program *program;
+    const arguments *arguments;
+    al_import *import;
+    al_plan plan;
+    al_report report;
+    unsigned device_numbers[8], device_count;
+    al_device *devices[8]; /* opened when first needed */
+} bake;
+
+static al_status read_quality(const char *text, al_quality *quality, al_error *error)
+{
+    static const char *const names[] = {"preview", "medium", "final"};
+    for (int i = 0; i < 3; i++)
+        if (!strcmp(text, names[i])) return *quality = (al_quality)i, AL_OK;
+    return al_fail(error, AL_USAGE, "--quality takes preview, medium or final, not '%s'", text);
+}
+
+static al_status read_devices(const char *text, bake *b, al_error *error)
+{
+    for (const char *at = text; b->device_count < 8;) {
+        char *end;
+        long number = strtol(at, &end, 10);
+        if (end == at || number < 0 || number > 1000 || (*end && *end != ',')) break;
+        b->device_numbers[b->device_count++] = (unsigned)number;
+        if (!*end) return AL_OK;
+        at = end + 1;
+    }
+    return al_fail(error, AL_USAGE, "--device takes numbers of --list-devices, such as 0 or 0,1, not '%s'", text);
+}
+
+static al_status list_devices(al_error *error)
+{
+    al_device_names names;
+    al_status status = al_device_list(&names, error);
+    for (unsigned i = 0; status == AL_OK && i < names.count; i++) printf("%u  %s\n", i, names.names[i]);
+    return status;
+}
+
+/* Creates the folder where it is missing; its parents must exist. */
+static al_status make_folder(const char *path, al_error *error)
+{
+    struct stat facts;
+    if (mkdir(path, 0777) == 0) return AL_OK;
+    if (errno == EEXIST && stat(path, &facts) == 0 && S_ISDIR(facts.st_mode)) return AL_OK;
+    return al_fail(error, AL_IO, "%s: cannot create the folder: %s", path, errno == EEXIST ? "a file of that name is there" : strerror(errno));
+}
+
+/* The key an asset was baked under, kept in its PROV chunk. False: none, or not readable, or not valid. */
+static bool asset_key(const char *path, al_kind kind, uint64_t *key)
+{
+    al_open_options options = {.kind = kind};
+    al_file *file;
+    const void *data;
+    size_t size;
+    bool found = false;
+    if (al_file_open(path, &options, &file, NULL) != AL_OK) return false;
+    ptrdiff_t chunk = al_file_find(file, "PROV", 0);
+    if (chunk >= 0 && al_file_data(file, (size_t)chunk, &data, &size, NULL) == AL_OK) {
+        json_t *json = json_loadb(data, size, JSON_DISABLE_EOF_CHECK, NULL);
+        const char *text = json_string_value(json_object_get(json, "key"));
+        if (text) {
+            *key = strtoull(text, NULL, 16);
+            found = true;
+        }
+        json_decref(json);
+    }
+    al_file_close(file);
+    return found && al_file_check(path, NULL, NULL, NULL) == AL_OK;
+}
+
+static al_status open_device(bake *b, unsigned slot, al_device **device, al_error *error)
+{
+    if (!b->devices[slot]) {
+        al_status status = al_device_open(b->device_numbers[slot], (unsigned)b->arguments->threads, b->arguments->folder,
+                                          b->program->verbose, &b->devices[slot], error);
+        if (status != AL_OK) return status;
+        if (slot == 0) b->report.device = b->devices[0]->name;
+        if (b->program->verbose) al_program_say(b->program, "device %u: %s", b->device_numbers[slot], b->devices[slot]->name);
+    }
+    *device = b->devices[slot];
+    return AL_OK;
+}
+
+/* Objects go to the devices in turn. */
+static al_status bake_objects(bake *b, al_error *error)
+{
+    al_bake_options options = {.program = b->program, .folder = b->arguments->folder, .threads = (unsigned)b->arguments->threads,
+                               .memory_limit = (size_t)(b->arguments->memory_limit_mib * 1048576)};
+    for (uint32_t i = 0; i < b->import->scene.translucent_count; i++) {
+        al_translucent_object *object = &b->import->scene.translucents[i];
+        char path[1400];
+        uint64_t key, present;
+        al_device *device;
+        al_status status = al_bake_object_key(b->import, i, &key, error);
+        if (status != AL_OK) return status;
+        snprintf(path, sizeof path, "%s/%s", b->arguments->folder, object->asset);
+        if (asset_key(path, AL_KIND_TRANSLUCENT, &present) && present == key) {
+            al_program_say(b->program, "%s is up to date", path);
+            continue;
+        }
+        status = open_device(b, i % b->device_count, &device, error);
+        if (status == AL_OK) status = al_bake_object(b->import, i, key, device, &options, &b->report.objects[i], error);
+        if (status != AL_OK) return status;
+        al_program_say(b->program, "wrote %s", path);
+    }
+    return AL_OK;
+}
+
+static al_status write_scene(bake *b, al_error *error)
+{
+    double started = al_program_seconds();
+    char path[1400];
+    uint64_t bytes = 0;
+    snprintf(path, sizeof path, "%s/scene.air", b->arguments->folder);
+    al_status status = al_scene_write(path, &b->import->scene, "{}", &bytes, error);
+    b->report.steps.steps[b->report.steps.count++] = (al_step){"scene", al_program_seconds() - started, bytes, b->import->scene.instance_count};
+    return status;
+}
+
+static al_status name_assets(bake *b, al_error *error)
+{
+    for (uint32_t i = 0; i < b->import->scene.translucent_count; i++) {
+        char file[160];
+        al_bake_object_file(&b->import->scene.translucents[i], file, sizeof file);
+        b->import->scene.translucents[i].asset = al_scene_text(&b->import->scene, file);
+        if (!b->import->scene.translucents[i].asset) return al_fail(error, AL_IO, "out of memory");
+    }
+    return AL_OK;
+}
+
+static al_status bake_scene(bake *b, const char *scene, al_quality quality, al_error *error)
+{
+    double started = al_program_seconds();
+    al_status status = al_import_scene(scene, quality, &b->import, error);
+    if (status != AL_OK) return status;
+    b->report.steps.steps[b->report.steps.count++] = (al_step){"import", al_program_seconds() - started, 0, b->import->input_count};
+    al_plan_make(b->import, &b->plan);
+    if (b->arguments->plan) {
+        char *text = al_plan_json(&b->plan);
+        if (text) puts(text);
+        free(text);
+        return text ? AL_OK : al_fail(error, AL_IO, "out of memory");
+    }
+    b->report.import = b->import;
+    b->report.plan = &b->plan;
+    b->report.device = "";
+    b->report.objects = calloc(b->import->scene.translucent_count + 1, sizeof *b->report.objects);
+    if (!b->report.objects) return al_fail(error, AL_IO, "out of memory");
+    status = make_folder(b->arguments->folder, error);
+    if (status == AL_OK) status = name_assets(b, error);
+    if (status == AL_OK) status = bake_objects(b, error);
+    if (status == AL_OK) status = write_scene(b, error);
+    if (status == AL_OK) status = al_report_write(b->arguments->folder, &b->report, error);
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    arguments a = {.quality = "medium", .devices = "0", .memory_limit_mib = 512};
+    const al_option options[] = {
+        {"-o", "DIR", AL_OPTION_STRING, &a.folder, "folder of the baked assets; created when it is missing", 0, 0},
+        {"--plan", NULL, AL_OPTION_FLAG, &a.plan, "only say what would be done and why (JSON)", 0, 0},
+        {"--quality", "Q", AL_OPTION_STRING, &a.quality, "preview, medium or final: settings the scene leaves open (medium)", 0, 0},
+        {"--list-devices", NULL, AL_OPTION_FLAG, &a.list_devices, "list the OpenCL devices and end", 0, 0},
+        {"--device", "N[,N]", AL_OPTION_STRING, &a.devices, "OpenCL devices by number; objects go to them in turn (0)", 0, 0},
+        {"--threads", "N", AL_OPTION_INT, &a.threads, "CPU threads (one per core)", 1, 256},
+        {"--memory-limit", "MIB", AL_OPTION_REAL, &a.memory_limit_mib, "memory for swept fields on the device (512)", 16, 1 << 20},
+    };
+    al_program program = {.name = "airlight-bake", .usage = "SCENE.json -o DIR [options]",
+                          .summary = "Imports a scene and bakes every asset it needs into DIR, with DIR/report.json. What is up to\n"
+                                     "date is not baked again. Ctrl-C stops cleanly; the same command goes on from there.",
+                          .options = options, .option_count = sizeof options / sizeof *options};
+    const char *scene = NULL;
+    size_t count;
+    int code = al_program_parse(&program, argc, argv, &scene, 0, 1, &count);
+    if (code >= 0) return code;
+
+    al_error error = {0};
+    al_quality quality = AL_QUALITY_MEDIUM;
+    bake b = {.program = &program, .arguments = &a};
+    al_status status;
+    al_program_catch_signals();
+    if (a.list_devices) status = list_devices(&error);
+    else if (!scene) status = al_fail(&error, AL_USAGE, "a scene file is missing; usage: airlight-bake SCENE.json -o DIR");
+    else if (!a.folder && !a.plan) status = al_fail(&error, AL_USAGE, "-o DIR is missing: the folder to bake into");
+    else {
+        status = read_quality(a.quality, &quality, &error);
+        if (status == AL_OK) status = read_devices(a.devices, &b, &error);
+        if (status == AL_OK) status = bake_scene(&b, scene, quality, &error);
+    }
+    for (int i = 0; i < 8; i++) al_device_close(b.devices[i]);
+    free(b.report.objects);
+    al_import_free(b.import);
+    return status == AL_OK ? 0 : al_program_fail(&program, &error);
+}
