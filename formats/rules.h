@@ -1,0 +1,65 @@
+/* Every validation rule with its permanent number: numbers are never used again for something else. The text
+ * says what a valid file keeps. docs/formats.md lists the same; a test holds them together. */
+#ifndef AIRLIGHT_RULES_H
+#define AIRLIGHT_RULES_H
+
+#define AL_RULES(RULE) \
+    RULE(AL_RULE_SIZE, 101, "a file has at least the 128 bytes of the header") \
+    RULE(AL_RULE_MAGIC, 102, "a file begins with the magic bytes 8B 41 49 52 0D 0A 1A 0A") \
+    RULE(AL_RULE_MAJOR, 103, "the major version is 1") \
+    RULE(AL_RULE_FILE_SIZE, 104, "the size in the header is the size of the file") \
+    RULE(AL_RULE_TABLE, 105, "the chunk table lies at a multiple of 64 and ends the file") \
+    RULE(AL_RULE_HEADER_CHECKSUM, 106, "the header's checksum is that of header and chunk table") \
+    RULE(AL_RULE_KIND, 107, "the kind is one that this version reads") \
+    RULE(AL_RULE_RESERVED, 108, "reserved bytes are zero unless the minor version is newer") \
+    RULE(AL_RULE_WRITER, 109, "the writer is printable ASCII, not empty, terminated and zero-padded") \
+    RULE(AL_RULE_CHUNK_TYPE, 110, "a chunk's type is four of A to Z and 0 to 9") \
+    RULE(AL_RULE_CHUNK_INSIDE, 111, "a chunk and its padding lie between header and chunk table") \
+    RULE(AL_RULE_CHUNK_OVERLAP, 112, "chunks do not overlap and stand in the order of the table") \
+    RULE(AL_RULE_CHUNK_GAP, 113, "each chunk begins where the padding of the one before ends") \
+    RULE(AL_RULE_CHUNK_FLAGS, 114, "of the flags, bit 0 is known; bits 16 to 31 may be newer") \
+    RULE(AL_RULE_CHUNK_RAW_SIZE, 115, "the raw size is the stored size") \
+    RULE(AL_RULE_CHUNK_CHECKSUM, 116, "a chunk's checksum is that of its bytes and padding") \
+    RULE(AL_RULE_CHUNK_PADDING, 117, "the padding behind a chunk is zero") \
+    RULE(AL_RULE_CHUNK_UNKNOWN, 118, "a chunk of unknown type is optional") \
+    RULE(AL_RULE_CHUNK_VERSION, 119, "a chunk of newer version is optional") \
+    RULE(AL_RULE_CHUNK_COUNT, 120, "each chunk type stands as often as the kind asks") \
+    RULE(AL_RULE_RECORD_SIZE, 130, "a chunk of records has the size of its records") \
+    RULE(AL_RULE_FINITE, 131, "every number is finite") \
+    RULE(AL_RULE_RANGE, 132, "every field lies in its range") \
+    RULE(AL_RULE_TEXT, 133, "a text begins inside chunk TEXT, which ends with a zero byte") \
+    RULE(AL_RULE_PROVENANCE, 134, "chunk PROV is a JSON object") \
+    RULE(AL_RULE_TRANSLUCENT_CHANNELS, 201, "there are one or three sets of coefficients") \
+    RULE(AL_RULE_TRANSLUCENT_DIRECTIONS, 202, "the number of directions is even") \
+    RULE(AL_RULE_TRANSLUCENT_BOUNDS, 203, "the lower bound is not above the upper one") \
+    RULE(AL_RULE_TRANSLUCENT_PAGES, 204, "there are as many pages as the samples fill") \
+    RULE(AL_RULE_TRANSLUCENT_PAGE_SIZE, 205, "a page has the size its samples need") \
+    RULE(AL_RULE_TRANSLUCENT_PAGE_PADDING, 206, "bytes between the arrays of a page are zero") \
+    RULE(AL_RULE_TRANSLUCENT_INSIDE, 207, "a sample lies in the bounds, widened by its radius") \
+    RULE(AL_RULE_TRANSLUCENT_GAUSSIAN, 208, "a Gaussian has a > 0, weight >= 0, radius > 0, density >= 0") \
+    RULE(AL_RULE_TRANSLUCENT_SCALE, 209, "a scale of 8-bit coefficients is not negative") \
+    RULE(AL_RULE_TRANSLUCENT_BYTE, 210, "an 8-bit coefficient is not -128") \
+    RULE(AL_RULE_TRANSLUCENT_GRID, 211, "the density grid has two bytes a voxel") \
+    RULE(AL_RULE_TRANSLUCENT_BLOCKERS, 212, "blockers are there when INFO says so, one byte a voxel") \
+    RULE(AL_RULE_SCENE_GEOMETRY_COUNT, 301, "there is one GEOM chunk for each mesh") \
+    RULE(AL_RULE_SCENE_GEOMETRY_SIZE, 302, "a GEOM chunk has the size its mesh needs") \
+    RULE(AL_RULE_SCENE_PIXEL_COUNT, 303, "there is one PIXL chunk for each texture") \
+    RULE(AL_RULE_SCENE_PIXEL_SIZE, 304, "a PIXL chunk has the size its texture needs") \
+    RULE(AL_RULE_SCENE_INDEX, 305, "an index names something that is there") \
+    RULE(AL_RULE_SCENE_TRIANGLES, 306, "indices come in threes") \
+    RULE(AL_RULE_SCENE_SUBMESHES, 307, "the submeshes of a mesh lie in its indices, SUBM holds them all") \
+    RULE(AL_RULE_SCENE_UNIT, 308, "normals and the directions of lights have length 1 within 1 %") \
+    RULE(AL_RULE_SCENE_ROLE, 309, "an instance names a translucent object just when its role needs one") \
+    RULE(AL_RULE_SCENE_BOUNDARY, 310, "a translucent object and its boundary's instance name each other") \
+    RULE(AL_RULE_SCENE_AFFINE, 311, "the last row of a world matrix is 0 0 0 1") \
+    RULE(AL_RULE_SCENE_ASSET, 312, "an asset's name is a plain file name or empty") \
+    RULE(AL_RULE_SCENE_CAMERA, 313, "a camera does not stand on its target and has an up direction") \
+    RULE(AL_RULE_SCENE_CAMERAS, 314, "there is at least one camera") \
+    RULE(AL_RULE_SCENE_ENVIRONMENT, 315, "ENVM holds the pixels of the environment, if there is one") \
+    RULE(AL_RULE_SCENE_GEOMETRY_PADDING, 316, "bytes between the arrays of a GEOM chunk are zero")
+
+#define AL_RULE_ENUM(name, number, text) name = number,
+enum al_rule { AL_RULES(AL_RULE_ENUM) };
+#undef AL_RULE_ENUM
+
+#endif
