@@ -11,6 +11,53 @@ void al_sh_basis_f(int order, const float direction[3], float *basis)
     for (int i = 0; i < order * order; i++) basis[i] = (float)values[i];
 }
 
+/* Nodes and weights of Gauss-Legendre quadrature with `count` points: the roots of the Legendre polynomial P,
+ * by Newton's method from cos(pi (i + 3/4) / (count + 1/2)), with P and its derivative from the recurrence
+ * n P(n) = (2n-1) z P(n-1) - (n-1) P(n-2),  (z^2 - 1) P'(n) = n (z P(n) - P(n-1)); weight 2 / ((1 - z^2) P'^2). */
+static void gauss_legendre(int count, double nodes[], double weights[])
+{
+    enum { STEPS = 8 }; /* quadratic convergence from a start that is good to 1 % */
+    for (int i = 0; i < count; i++) {
+        double z = cos(AL_PI * (i + 0.75) / (count + 0.5)), slope = 1;
+        for (int step = 0; step < STEPS; step++) {
+            double below = 1, here = z;
+            for (int n = 2; n <= count; n++) {
+                double next = ((2 * n - 1) * z * here - (n - 1) * below) / n;
+                below = here;
+                here = next;
+            }
+            slope = count * (z * here - below) / (z * z - 1);
+            z -= here / slope;
+        }
+        nodes[i] = z;
+        weights[i] = 2 / ((1 - z * z) * slope * slope);
+    }
+}
+
+/* The rotated function h(w) = f(R^-1 w) has the same bands as f, so its coefficients are the integrals
+ *   h(l, m) = integral of f(R^-1 w) Y(l, m; w) dw
+ * of a polynomial of degree 2 (order - 1) on the sphere. A product rule is exact for it: Gauss-Legendre with
+ * `order` points in z (exact to degree 2 order - 1), 2 order - 1 equal steps in azimuth (exact for the
+ * frequencies up to 2 order - 2). R^-1 is the transpose of R. */
+void al_sh_rotate(int order, const float rotation[9], const float *in, float *out)
+{
+    double nodes[AL_SH_MAX_ORDER], weights[AL_SH_MAX_ORDER], sums[AL_SH_MAX_COUNT] = {0};
+    double there[AL_SH_MAX_COUNT], here[AL_SH_MAX_COUNT];
+    int count = order * order, steps = 2 * order - 1;
+    gauss_legendre(order, nodes, weights);
+    for (int i = 0; i < order * steps; i++) {
+        double z = nodes[i / steps], radius = sqrt(1 - z * z), angle = 2 * AL_PI * (i % steps) / steps;
+        double w[3] = {radius * cos(angle), radius * sin(angle), z}, back[3], value = 0;
+        for (int k = 0; k < 3; k++) back[k] = rotation[k] * w[0] + rotation[3 + k] * w[1] + rotation[6 + k] * w[2];
+        al_sh_basis(order, back[0], back[1], back[2], there);
+        al_sh_basis(order, w[0], w[1], w[2], here);
+        for (int k = 0; k < count; k++) value += in[k] * there[k];
+        value *= weights[i / steps] * 2 * AL_PI / steps;
+        for (int k = 0; k < count; k++) sums[k] += value * here[k];
+    }
+    for (int k = 0; k < count; k++) out[k] = (float)sums[k];
+}
+
 void al_sh_phase(int order, float g, const float axis[3], float *out)
 {
     double values[AL_SH_MAX_COUNT], moment = 1;
