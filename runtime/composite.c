@@ -1,0 +1,76 @@
+/* One object over what lies behind it, and the finished tile into the host's framebuffer. */
+#include <float.h>
+
+#include "state.h"
+
+al_status al_object_join(al_draw *draw)
+{
+    al_runtime *runtime = draw->runtime;
+    al_targets *targets = &runtime->targets;
+    GLuint program;
+    al_status status = al_shaders_get(runtime->shaders, "fullscreen.vert object.frag", "", &program, draw->error);
+    if (status) return status;
+    al_timing_begin(&runtime->timing, AL_STAGE_COMPOSITE);
+    glBindFramebuffer(GL_FRAMEBUFFER, targets->radiance_framebuffer);
+    glViewport(0, 0, draw->tile[2], draw->tile[3]);
+    glUseProgram(program);
+    al_gl_bind_texture(AL_UNIT_PASS, targets->ends.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 1, targets->knots.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 2, targets->boundary.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 3, targets->geometry.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 4, targets->light.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 5, targets->reflection.id);
+    glUniform4i(0, (GLint)draw->settings.pass, draw->settings.view_leg == AL_VIEW_LEG_SH, 0, 0);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_SRC1_COLOR);
+    glBindVertexArray(runtime->empty_vertex_array);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glDisable(GL_BLEND);
+    al_timing_end(&runtime->timing);
+    return AL_OK;
+}
+
+al_status al_inspect_draw(al_draw *draw)
+{
+    al_runtime *runtime = draw->runtime;
+    GLuint program;
+    al_status status = al_shaders_get(runtime->shaders, "fullscreen.vert inspect.frag", "", &program, draw->error);
+    if (status) return status;
+    glBindFramebuffer(GL_FRAMEBUFFER, runtime->targets.radiance_framebuffer);
+    glViewport(0, 0, draw->tile[2], draw->tile[3]);
+    glUseProgram(program);
+    al_gl_bind_texture(AL_UNIT_PASS, runtime->targets.geometry.id);
+    glUniform1i(0, draw->settings.pass == AL_PASS_NORMAL ? 0 : 1);
+    glBindVertexArray(runtime->empty_vertex_array);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    return AL_OK;
+}
+
+/* Largest finite number of the framebuffer's colour 0. */
+static float framebuffer_limit(GLuint framebuffer)
+{
+    GLint bits = 32;
+    GLenum attachment = framebuffer ? GL_COLOR_ATTACHMENT0 : GL_BACK_LEFT;
+    glGetNamedFramebufferAttachmentParameteriv(framebuffer, attachment, GL_FRAMEBUFFER_ATTACHMENT_RED_SIZE, &bits);
+    return bits == 16 ? 65504.0f : FLT_MAX;
+}
+
+al_status al_output_draw(al_draw *draw)
+{
+    al_runtime *runtime = draw->runtime;
+    GLuint program;
+    al_status status = al_shaders_get(runtime->shaders, "fullscreen.vert output.frag", "", &program, draw->error);
+    if (status) return status;
+    al_timing_begin(&runtime->timing, AL_STAGE_COMPOSITE);
+    glBindFramebuffer(GL_FRAMEBUFFER, draw->framebuffer);
+    glViewport(draw->tile[0], draw->tile[1], draw->tile[2], draw->tile[3]);
+    glDisable(GL_SCISSOR_TEST);
+    glUseProgram(program);
+    al_gl_bind_texture(AL_UNIT_PASS, runtime->targets.radiance.id);
+    glUniform2i(0, draw->tile[0], draw->tile[1]);
+    glUniform1f(1, framebuffer_limit(draw->framebuffer));
+    glBindVertexArray(runtime->empty_vertex_array);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    al_timing_end(&runtime->timing);
+    return AL_OK;
+}

@@ -1,0 +1,198 @@
+/* One frame: what every pass must know, then tile by tile. */
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "matrix.h"
+#include "state.h"
+
+static bool in_range(double value, double low, double high)
+{
+    return value >= low && value <= high; /* false for NaN */
+}
+
+static al_status check(const al_view *view, const al_settings *settings, al_error *error)
+{
+    if (!view->width || !view->height || view->width > 32768 || view->height > 32768)
+        return al_fail(error, AL_USAGE, "view: %u x %u pixels; use 1 to 32768 each", view->width, view->height);
+    for (int i = 0; i < 16; i++)
+        if (!isfinite(view->view[i]) || !isfinite(view->projection[i]))
+            return al_fail(error, AL_USAGE, "view: a matrix holds a number that is not finite");
+    if (settings->interval_count && !in_range(settings->interval_count, 4, AL_KNOT_LIMIT))
+        return al_fail(error, AL_USAGE, "settings: %u interval knots; use 4 to %d, or 0 for 16",
+                       settings->interval_count, AL_KNOT_LIMIT);
+    if (settings->march_voxels != 0 && !in_range(settings->march_voxels, 0.01, 100))
+        return al_fail(error, AL_USAGE, "settings: march step of %g voxels; use 0.01 to 100, or 0 for 0.5",
+                       (double)settings->march_voxels);
+    if (settings->sh_order > 8)
+        return al_fail(error, AL_USAGE, "settings: SH order %u; use 1 to 8, or 0 for the baked one", settings->sh_order);
+    if ((unsigned)settings->pass >= AL_PASS_COUNT || (unsigned)settings->view_leg > AL_VIEW_LEG_SH)
+        return al_fail(error, AL_USAGE, "settings: no such pass or view leg");
+    return AL_OK;
+}
+
+/* The view's rays. With M the inverse of view-projection, the pixel's points on the near and far plane are
+ * M (x, y, -1, 1) and M (x, y, 1, 1), n and f; the ray's direction is f/f.w - n/n.w, or f n.w - n f.w, which holds
+ * for a far plane at infinity too (f.w = 0). All rays of a perspective view meet in M (0, 0, 1, 0), whose w is
+ * 0 for an orthographic one: there rays start on the near plane. Both n and the direction are linear in x and y,
+ * n.w and f.w being the same for all pixels of such views. */
+static al_status fill_view(al_draw *draw)
+{
+    const al_view *view = draw->view;
+    double projection[16], inverse[16], near[3][4], far[3][4], pole[4] = {0, 0, 1, 0};
+    static const double corners[3][2] = {{-1, -1}, {1, -1}, {-1, 1}};
+    al_matrix_from_float(view->view, draw->view_projection);
+    al_matrix_from_float(view->projection, projection);
+    al_matrix_multiply(projection, draw->view_projection, draw->view_projection);
+    if (!al_matrix_inverse(draw->view_projection, inverse))
+        return al_fail(draw->error, AL_USAGE, "view: view times projection cannot be inverted");
+    al_matrix_to_float(draw->view_projection, draw->block.view_projection);
+    al_matrix_to_float(inverse, draw->block.view_projection_inverse);
+    for (int i = 0; i < 3; i++) {
+        double n[4] = {corners[i][0], corners[i][1], -1, 1}, f[4] = {corners[i][0], corners[i][1], 1, 1};
+        al_matrix_transform(inverse, n, near[i]);
+        al_matrix_transform(inverse, f, far[i]);
+    }
+    al_matrix_transform(inverse, pole, pole);
+    bool perspective = fabs(pole[3]) > 1e-12 * (fabs(pole[0]) + fabs(pole[1]) + fabs(pole[2]));
+    double origin[3][3], direction[3][3], length = 0;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            origin[i][k] = perspective ? pole[k] / pole[3] : near[i][k] / near[i][3];
+            direction[i][k] = far[i][k] * near[i][3] - near[i][k] * far[i][3];
+        }
+    for (int k = 0; k < 3; k++) length += direction[0][k] * direction[0][k];
+    length = length > 0 ? sqrt(length) : 1;
+    for (int k = 0; k < 3; k++) {
+        draw->eye[k] = perspective ? origin[0][k] : -direction[0][k] / length;
+        draw->block.eye[k] = (float)draw->eye[k];
+        draw->block.ray[0][k] = (float)origin[0][k];
+        draw->block.ray[1][k] = (float)((origin[1][k] - origin[0][k]) / view->width);
+        draw->block.ray[2][k] = (float)((origin[2][k] - origin[0][k]) / view->height);
+        draw->block.ray[3][k] = (float)(direction[0][k] / length);
+        draw->block.ray[4][k] = (float)((direction[1][k] - direction[0][k]) / length / view->width);
+        draw->block.ray[5][k] = (float)((direction[2][k] - direction[0][k]) / length / view->height);
+    }
+    draw->eye[3] = draw->block.eye[3] = perspective;
+    draw->block.tile[2] = (int32_t)view->width;
+    draw->block.tile[3] = (int32_t)view->height;
+    return AL_OK;
+}
+
+/* The part of the object's place in the view that lies in the tile, tile coordinates; false: none. */
+static bool clip_to_tile(const al_draw *draw, const al_object *object, int32_t area[4])
+{
+    for (int k = 0; k < 2; k++) {
+        int32_t low = object->rectangle[k] - draw->tile[k], high = low + object->rectangle[k + 2];
+        area[k] = low > 0 ? low : 0;
+        area[k + 2] = (high < draw->tile[k + 2] ? high : draw->tile[k + 2]) - area[k];
+        if (area[k + 2] <= 0) return false;
+    }
+    return true;
+}
+
+static al_status draw_object(al_draw *draw, uint32_t index)
+{
+    al_object *object = &draw->runtime->objects[index];
+    int32_t area[4];
+    if (!clip_to_tile(draw, object, area)) return AL_OK;
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(area[0], area[1], area[2], area[3]);
+    glBindBufferBase(GL_UNIFORM_BUFFER, 1, object->constants.id);
+    al_status status = al_boundary_draw(draw, object, index);
+    if (!status) status = al_intervals_run(draw, object, area);
+    if (!status) status = al_splat_draw(draw, object);
+    if (!status) status = al_object_join(draw);
+    return status;
+}
+
+static al_status draw_tile(al_draw *draw)
+{
+    static const float black[4] = {0, 0, 0, 1};
+    al_runtime *runtime = draw->runtime;
+    draw->block.tile[0] = draw->tile[0];
+    draw->block.tile[1] = draw->tile[1];
+    glNamedBufferSubData(runtime->frame_block.id, offsetof(al_frame_block, tile), sizeof draw->block.tile,
+                         draw->block.tile);
+    al_status status = al_targets_fit(draw);
+    if (!status) status = al_surface_draw(draw);
+    if (status) return status;
+    if (!draw->needs_shading) {
+        glDisable(GL_SCISSOR_TEST);
+        glClearNamedFramebufferfv(runtime->targets.radiance_framebuffer, GL_COLOR, 0, black);
+    }
+    if (draw->settings.pass == AL_PASS_NORMAL || draw->settings.pass == AL_PASS_DEPTH) status = al_inspect_draw(draw);
+    for (uint32_t i = 0; i < runtime->scene.translucent_count && !status; i++)
+        if (runtime->sorted[i] != AL_NO_INDEX) status = draw_object(draw, runtime->sorted[i]);
+    return status ? status : al_output_draw(draw);
+}
+
+/* Equal tiles of at most AL_TILE_WIDTH x AL_TILE_HEIGHT; the last of a row or column may be smaller. */
+static al_status draw_tiles(al_draw *draw)
+{
+    int32_t width = (int32_t)draw->view->width, height = (int32_t)draw->view->height;
+    int32_t columns = (width + AL_TILE_WIDTH - 1) / AL_TILE_WIDTH, rows = (height + AL_TILE_HEIGHT - 1) / AL_TILE_HEIGHT;
+    int32_t tile_width = (width + columns - 1) / columns, tile_height = (height + rows - 1) / rows;
+    al_status status = AL_OK;
+    for (int32_t y = 0; y < height && !status; y += tile_height)
+        for (int32_t x = 0; x < width && !status; x += tile_width) {
+            draw->tile[0] = x;
+            draw->tile[1] = y;
+            draw->tile[2] = width - x < tile_width ? width - x : tile_width;
+            draw->tile[3] = height - y < tile_height ? height - y : tile_height;
+            status = draw_tile(draw);
+        }
+    return status;
+}
+
+static al_status draw_frame(al_draw *draw)
+{
+    al_runtime *runtime = draw->runtime;
+    al_pass pass = draw->settings.pass;
+    draw->needs_shading = pass == AL_PASS_COMPOSITE || pass == AL_PASS_SURFACE;
+    draw->needs_light = pass == AL_PASS_COMPOSITE || pass == AL_PASS_TRANSLUCENT || pass == AL_PASS_UNITY;
+    al_status status = fill_view(draw);
+    if (status) return status;
+    al_environment_fill(draw);
+    al_gl_bind_texture(AL_UNIT_ENVIRONMENT, runtime->environment.id);
+    al_gl_bind_texture(AL_UNIT_SHADOW, 0);
+    al_objects_prepare(draw);
+    glBindBufferBase(GL_UNIFORM_BUFFER, 0, runtime->frame_block.id);
+    status = al_shadow_draw(draw);
+    for (uint32_t i = 0; i < runtime->scene.translucent_count && !status; i++)
+        if (runtime->objects[i].present && runtime->objects[i].rectangle[2])
+            status = al_light_run(draw, &runtime->objects[i]);
+    return status ? status : draw_tiles(draw);
+}
+
+al_status al_runtime_draw(al_runtime *runtime, const al_view *view, const al_settings *settings,
+                          uint32_t framebuffer, uint32_t depth_texture, al_error *error)
+{
+    static const float black[4] = {0, 0, 0, 1};
+    al_draw draw = {.runtime = runtime, .view = view, .framebuffer = framebuffer, .host_depth = depth_texture,
+                    .error = error};
+    GLint drawn_to = 0, read_from = 0, viewport[4];
+    if (settings) draw.settings = *settings;
+    al_status status = check(view, &draw.settings, error);
+    if (status) return status;
+    if (!draw.settings.interval_count) draw.settings.interval_count = 16;
+    if (draw.settings.march_voxels == 0) draw.settings.march_voxels = 0.5f;
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &drawn_to);
+    glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read_from);
+    glGetIntegerv(GL_VIEWPORT, viewport);
+    al_gl_reset_state();
+    if (!depth_texture) glClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, black);
+    if (runtime->loaded) {
+        al_timing_begin_frame(&runtime->timing);
+        status = draw_frame(&draw);
+        al_timing_end_frame(&runtime->timing);
+        runtime->frame_number++;
+    }
+    glDisable(GL_SCISSOR_TEST);
+    glUseProgram(0);
+    glBindVertexArray(0);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)drawn_to);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, (GLuint)read_from);
+    glViewport(viewport[0], viewport[1], viewport[2], viewport[3]);
+    return status;
+}

@@ -1,0 +1,154 @@
+#include "loader.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { QUEUE_LIMIT = 8 };
+
+typedef struct asset {
+    char *path;
+    al_file *file;
+    al_translucent_info info;
+    uint32_t next_page, page_count;
+    bool open; /* pages are still to come */
+} asset;
+
+struct al_loader {
+    asset *assets;
+    uint32_t asset_count;
+    pthread_t thread;
+    bool started;
+    pthread_mutex_t lock; /* over what follows */
+    pthread_cond_t room;
+    al_arrival queue[QUEUE_LIMIT];
+    uint32_t head, count;
+    bool stop;
+    al_arrival scratch; /* the thread's own */
+};
+
+/* Waits for room; false when the loader is to stop. */
+static bool push(al_loader *loader, const al_arrival *arrival)
+{
+    pthread_mutex_lock(&loader->lock);
+    while (loader->count == QUEUE_LIMIT && !loader->stop) pthread_cond_wait(&loader->room, &loader->lock);
+    bool go_on = !loader->stop;
+    if (go_on) loader->queue[(loader->head + loader->count++) % QUEUE_LIMIT] = *arrival;
+    pthread_mutex_unlock(&loader->lock);
+    return go_on;
+}
+
+bool al_loader_take(al_loader *loader, al_arrival *arrival)
+{
+    pthread_mutex_lock(&loader->lock);
+    bool any = loader->count > 0;
+    if (any) {
+        *arrival = loader->queue[loader->head];
+        loader->head = (loader->head + 1) % QUEUE_LIMIT;
+        loader->count--;
+        pthread_cond_signal(&loader->room);
+    }
+    pthread_mutex_unlock(&loader->lock);
+    return any;
+}
+
+static void open_asset(asset *a, al_arrival *arrival)
+{
+    al_open_options options = {.kind = AL_KIND_TRANSLUCENT};
+    al_status status = al_file_open(a->path, &options, &a->file, &arrival->error);
+    if (!status) status = al_translucent_read(a->file, &a->info, &arrival->error);
+    if (!status)
+        status = al_translucent_read_grid(a->file, &a->info, &arrival->density, &arrival->blockers, &arrival->error);
+    arrival->info = a->info;
+    arrival->kind = status ? AL_ARRIVAL_FAILURE : AL_ARRIVAL_OBJECT;
+    a->page_count = status ? 0 : al_translucent_page_count(&a->info);
+    a->open = a->page_count > 0;
+}
+
+static void read_page(asset *a, al_arrival *arrival)
+{
+    al_status status = al_translucent_read_page(a->file, &a->info, a->next_page++, &arrival->page, &arrival->error);
+    arrival->kind = status ? AL_ARRIVAL_FAILURE : AL_ARRIVAL_PAGE;
+    a->open = !status && a->next_page < a->page_count;
+}
+
+/* First every object, then their pages in turn, so that all of them show early. */
+static void *run(void *user)
+{
+    al_loader *loader = user;
+    bool go_on = true, any = true;
+    al_arrival *arrival = &loader->scratch;
+    for (uint32_t i = 0; i < loader->asset_count && go_on; i++) {
+        memset(arrival, 0, sizeof *arrival);
+        arrival->object = i;
+        open_asset(&loader->assets[i], arrival);
+        go_on = push(loader, arrival);
+    }
+    while (any && go_on) {
+        any = false;
+        for (uint32_t i = 0; i < loader->asset_count && go_on; i++) {
+            if (!loader->assets[i].open) continue;
+            memset(arrival, 0, sizeof *arrival);
+            arrival->object = i;
+            read_page(&loader->assets[i], arrival);
+            go_on = push(loader, arrival);
+            any = true;
+        }
+    }
+    memset(arrival, 0, sizeof *arrival);
+    arrival->kind = AL_ARRIVAL_END;
+    if (go_on) push(loader, arrival);
+    return NULL;
+}
+
+static char *join(const char *folder, const char *name)
+{
+    size_t size = strlen(folder) + strlen(name) + 2;
+    char *path = malloc(size);
+    if (path) snprintf(path, size, "%s/%s", folder, name);
+    return path;
+}
+
+al_status al_loader_create(const char *folder, const al_scene *scene, al_loader **loader, al_error *error)
+{
+    al_loader *made = calloc(1, sizeof *made);
+    *loader = NULL;
+    if (!made) return al_fail(error, AL_IO, "%s: no memory for the loader", folder);
+    pthread_mutex_init(&made->lock, NULL);
+    pthread_cond_init(&made->room, NULL);
+    made->assets = calloc(scene->translucent_count + 1, sizeof *made->assets);
+    bool good = made->assets != NULL;
+    made->asset_count = good ? scene->translucent_count : 0;
+    for (uint32_t i = 0; i < made->asset_count; i++) {
+        made->assets[i].path = join(folder, scene->translucents[i].asset);
+        good = good && made->assets[i].path;
+    }
+    if (good) made->started = pthread_create(&made->thread, NULL, run, made) == 0;
+    if (!made->started) {
+        al_loader_free(made);
+        return al_fail(error, AL_IO, "%s: cannot start the loader thread", folder);
+    }
+    *loader = made;
+    return AL_OK;
+}
+
+void al_loader_free(al_loader *loader)
+{
+    if (!loader) return;
+    if (loader->started) {
+        pthread_mutex_lock(&loader->lock);
+        loader->stop = true;
+        pthread_cond_signal(&loader->room);
+        pthread_mutex_unlock(&loader->lock);
+        pthread_join(loader->thread, NULL);
+    }
+    for (uint32_t i = 0; i < loader->asset_count; i++) {
+        if (loader->assets[i].file) al_file_close(loader->assets[i].file);
+        free(loader->assets[i].path);
+    }
+    free(loader->assets);
+    pthread_cond_destroy(&loader->room);
+    pthread_mutex_destroy(&loader->lock);
+    free(loader);
+}

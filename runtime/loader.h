@@ -1,0 +1,37 @@
+/* The loader thread: opens and verifies assets and hands verified pages over, a bounded number at a time.
+ * It never touches GL. What an arrival points to lives until al_loader_free. */
+#ifndef AIRLIGHT_RUNTIME_LOADER_H
+#define AIRLIGHT_RUNTIME_LOADER_H
+
+#include <stdbool.h>
+
+#include "airlight/scene.h"
+#include "airlight/translucent.h"
+
+typedef struct al_loader al_loader;
+
+typedef enum al_arrival_kind {
+    AL_ARRIVAL_OBJECT,  /* info and density grid */
+    AL_ARRIVAL_PAGE,
+    AL_ARRIVAL_FAILURE, /* of this object: nothing more of it comes */
+    AL_ARRIVAL_END      /* all there is has arrived */
+} al_arrival_kind;
+
+typedef struct al_arrival {
+    al_arrival_kind kind;
+    uint32_t object; /* index into al_scene.translucents */
+    al_translucent_info info;
+    const uint16_t *density; /* as al_translucent_read_grid */
+    const uint8_t *blockers;
+    al_translucent_page page;
+    al_error error;
+} al_arrival;
+
+/* Starts the thread for every translucent object of the scene; its names are copied. */
+al_status al_loader_create(const char *folder, const al_scene *scene, al_loader **loader, al_error *error);
+/* Answers whether something has arrived, without waiting. */
+bool al_loader_take(al_loader *loader, al_arrival *arrival);
+/* Stops the thread (at most one page later), closes the files. NULL is allowed. */
+void al_loader_free(al_loader *loader);
+
+#endif

@@ -1,0 +1,176 @@
+/* What the passes share: the runtime's state, the frame being drawn, and the blocks shaders read (std140). */
+#ifndef AIRLIGHT_RUNTIME_STATE_H
+#define AIRLIGHT_RUNTIME_STATE_H
+
+#include "airlight/runtime.h"
+#include "gl.h"
+#include "loader.h"
+#include "shader.h"
+#include "timing.h"
+
+enum {
+    AL_LIGHT_LIMIT = 64,
+    AL_CASTER_LIMIT = 8,       /* translucent objects that shadow others; further ones do not */
+    AL_TILE_WIDTH = 2048,      /* larger views are drawn in tiles, so that targets stay below 400 MiB */
+    AL_TILE_HEIGHT = 1088,
+    AL_KNOT_LIMIT = 32,
+    AL_ENVIRONMENT_BANDS = 9,
+    AL_PLAN_LIMIT = 16
+};
+
+/* Texture units of shaders/: the first two and the last eight keep their texture through a frame. */
+enum { AL_UNIT_SHADOW = 0, AL_UNIT_ENVIRONMENT = 1, AL_UNIT_PASS = 2, AL_UNIT_CASTERS = 8 };
+
+/* shaders/frame.glsl */
+typedef struct al_light_block {
+    float vector[4], intensity[4], shadow[4], to_shadow[16];
+} al_light_block;
+
+typedef struct al_caster_block {
+    float to_object[16], box_min[4], box_size[4], sigma_t[4];
+} al_caster_block;
+
+typedef struct al_frame_block {
+    float view_projection[16], view_projection_inverse[16], eye[4], ray[6][4];
+    int32_t tile[4], counts[4];
+    float background[4], environment[AL_ENVIRONMENT_BANDS][4];
+    al_light_block lights[AL_LIGHT_LIMIT];
+    al_caster_block casters[AL_CASTER_LIMIT];
+} al_frame_block;
+_Static_assert(sizeof(al_frame_block) == 128 + 16 + 96 + 32 + 16 + 144 + 64 * 112 + 8 * 112, "std140");
+
+/* shaders/object.glsl */
+typedef struct al_object_block {
+    float object_to_world[16], world_to_object[16], ray[6][4];
+    float box_min[4], box_size[4], albedo[4], sigma_s[4], ratio[4], march[4], prefix[4];
+    int32_t sizes[4], toggles[4];
+    float environment[AL_ENVIRONMENT_ORDER * AL_ENVIRONMENT_ORDER][4];
+} al_object_block;
+_Static_assert(sizeof(al_object_block) == 128 + 96 + 7 * 16 + 32 + 1024, "std140");
+
+typedef struct al_model_mesh {
+    GLuint vertex_array;
+    al_gl_buffer vertices, indices; /* position, normal, uv; uint32 */
+    float low[3], high[3];          /* box of the positions */
+} al_model_mesh;
+
+typedef struct al_model {
+    al_model_mesh *meshes;
+    al_gl_texture *textures;
+    uint32_t mesh_count, texture_count;
+    bool has_opaque;
+} al_model;
+
+typedef struct al_object { /* one of al_scene.translucents */
+    bool present, failed;
+    bool chromatic;              /* extinction differs between the channels that have any */
+    al_translucent_info info;
+    al_gl_buffer positions, gaussians, coefficients, scales, lit, constants;
+    al_gl_texture density;
+    uint32_t loaded;             /* samples on the GPU */
+    uint64_t slices;             /* of the density grid, on the GPU */
+    /* of the frame being drawn */
+    al_object_block block;
+    uint32_t drawn, order;
+    int32_t rectangle[4];        /* x, y, width, height in the view; width 0: not in view */
+    double distance_m;           /* of its middle, to sort */
+    float environment_key[20];   /* what block.environment was computed for */
+    bool environment_good;
+} al_object;
+
+typedef struct al_shadow_maps {
+    al_gl_texture depth;   /* array of layers */
+    GLuint framebuffer;
+    float *key;            /* lights and instances the maps were drawn for */
+    size_t key_size;       /* floats */
+} al_shadow_maps;
+
+typedef struct al_targets { /* of one tile */
+    al_gl_texture radiance, geometry, depth;           /* opaque surfaces, then everything */
+    al_gl_texture boundary, reflection;                /* of one translucent object */
+    al_gl_texture ends, knots, light;
+    al_gl_texture host;                                /* the host's own picture */
+    GLuint scene_framebuffer, radiance_framebuffer, boundary_framebuffer, light_framebuffer, host_framebuffer;
+} al_targets;
+
+struct al_runtime {
+    al_shaders *shaders;
+    al_gl_memory memory;
+    al_file *scene_file;
+    al_scene scene;
+    bool loaded, ended;
+    al_loader *loader;
+    al_arrival arrival;     /* being uploaded */
+    bool arriving;
+    uint32_t arrived;       /* samples of the arriving page on the GPU */
+    al_model model;
+    al_gl_texture environment;
+    uint32_t environment_levels;
+    al_object *objects;     /* [scene.translucent_count] */
+    uint32_t *sorted;       /* their indices, far to near, in the frame being drawn */
+    al_shadow_maps shadow;
+    al_targets targets;
+    al_timing timing;
+    al_gl_buffer frame_block;
+    GLuint empty_vertex_array;
+    uint32_t frame_number;
+    uint64_t samples_drawn;
+    al_plan_row plan[AL_PLAN_LIMIT];
+};
+
+/* One call of al_runtime_draw. Passes answer AL_OK or what failed, with `error` filled. */
+typedef struct al_draw {
+    al_runtime *runtime;
+    const al_view *view;
+    al_settings settings; /* defaults filled in */
+    al_frame_block block;
+    double view_projection[16];
+    double eye[4];        /* position and 1, or direction to the eye and 0 */
+    int32_t tile[4];      /* x, y, width, height in the view */
+    bool needs_light;     /* samples are splatted */
+    bool needs_shading;   /* of opaque surfaces */
+    uint32_t framebuffer, host_depth;
+    al_error *error;
+} al_draw;
+
+/* model.c */
+al_status al_model_create(al_runtime *runtime, al_error *error);
+void al_model_free(al_runtime *runtime);
+void al_model_world_box(const al_runtime *runtime, const al_instance *instance, float low[3], float high[3]);
+
+/* environment.c */
+al_status al_environment_upload(al_runtime *runtime, al_error *error);
+bool al_environment_exists(const al_environment *environment);
+void al_environment_fill(al_draw *draw);
+void al_environment_for_object(const al_draw *draw, al_object *object);
+
+/* object.c */
+/* Uploads a part of `arrival` within *budget bytes (at least something) and takes what it used off it; *done
+ * when nothing of it is left. */
+al_status al_object_accept(al_runtime *runtime, const al_arrival *arrival, uint64_t *budget, bool *done,
+                           al_error *error);
+void al_object_free(al_runtime *runtime, al_object *object);
+uint64_t al_object_coefficient_size(const al_translucent_info *info); /* bytes per sample */
+/* Fills draw->block's casters and every object's block, prefix, order and place in view; sorts. */
+void al_objects_prepare(al_draw *draw);
+
+/* shadow.c: fills draw->block's lights */
+al_status al_shadow_draw(al_draw *draw);
+void al_shadow_free(al_runtime *runtime);
+
+/* targets.c: makes the targets fit the tile */
+al_status al_targets_fit(al_draw *draw);
+void al_targets_free(al_runtime *runtime);
+
+/* surface.c */
+al_status al_surface_draw(al_draw *draw);
+al_status al_boundary_draw(al_draw *draw, al_object *object, uint32_t index);
+
+al_status al_light_run(al_draw *draw, al_object *object);                              /* light.c */
+al_status al_intervals_run(al_draw *draw, al_object *object, const int32_t area[4]);   /* intervals.c */
+al_status al_splat_draw(al_draw *draw, al_object *object);                             /* splat.c */
+al_status al_object_join(al_draw *draw);                        /* composite.c */
+al_status al_inspect_draw(al_draw *draw); /* composite.c: normals or distances instead of radiance */
+al_status al_output_draw(al_draw *draw);                                               /* composite.c */
+
+#endif

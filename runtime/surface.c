@@ -1,0 +1,143 @@
+/* Background and opaque instances, then the boundary of one translucent object. */
+#include <math.h>
+
+#include "state.h"
+
+static float dielectric_reflectance(float ior)
+{
+    float ratio = ior > 0 ? (ior - 1) / (ior + 1) : 0;
+    return ratio * ratio;
+}
+
+static bool has_texture(const al_runtime *runtime, uint32_t index)
+{
+    return index < runtime->model.texture_count && runtime->model.textures[index].id;
+}
+
+static void set_material(const al_runtime *runtime, const al_material *m, float reflectance)
+{
+    const uint32_t maps[4] = {m->base_color_texture, m->emission_texture, m->metallic_roughness_texture,
+                              m->normal_texture};
+    GLint present[4];
+    for (uint32_t i = 0; i < 4; i++) {
+        present[i] = has_texture(runtime, maps[i]);
+        al_gl_bind_texture(AL_UNIT_PASS + i, present[i] ? runtime->model.textures[maps[i]].id : 0);
+    }
+    glUniform4f(1, m->base_color[0], m->base_color[1], m->base_color[2], m->metallic);
+    glUniform4f(2, m->emission_w_m2_sr[0], m->emission_w_m2_sr[1], m->emission_w_m2_sr[2], m->roughness);
+    glUniform4f(3, reflectance, m->double_sided ? 1 : 0, 0, 0);
+    glUniform4iv(4, 1, present);
+}
+
+static void draw_instance(const al_runtime *runtime, const al_instance *instance, bool boundary)
+{
+    static const al_material plain = {.base_color = {0.8f, 0.8f, 0.8f}, .roughness = 1, .ior = 1.5f,
+                                      .base_color_texture = AL_NO_INDEX, .emission_texture = AL_NO_INDEX,
+                                      .metallic_roughness_texture = AL_NO_INDEX, .normal_texture = AL_NO_INDEX};
+    const al_scene *scene = &runtime->scene;
+    const al_mesh *mesh = &scene->meshes[instance->mesh];
+    const float *w = instance->world;
+    float handed = w[0] * (w[5] * w[10] - w[6] * w[9]) - w[4] * (w[1] * w[10] - w[2] * w[9]) +
+                   w[8] * (w[1] * w[6] - w[2] * w[5]);
+    if (!runtime->model.meshes[instance->mesh].vertex_array) return;
+    glFrontFace(handed < 0 ? GL_CW : GL_CCW);
+    glUniformMatrix4fv(0, 1, GL_FALSE, instance->world);
+    glBindVertexArray(runtime->model.meshes[instance->mesh].vertex_array);
+    for (uint32_t i = 0; i < mesh->submesh_count; i++) {
+        const al_submesh *part = &mesh->submeshes[i];
+        const al_material *m = part->material < scene->material_count ? &scene->materials[part->material] : &plain;
+        set_material(runtime, m, dielectric_reflectance(m->ior));
+        if (boundary || m->double_sided)
+            glDisable(GL_CULL_FACE);
+        else
+            glEnable(GL_CULL_FACE);
+        glDrawElements(GL_TRIANGLES, (GLsizei)part->index_count, GL_UNSIGNED_INT,
+                       (const void *)((uintptr_t)part->first_index * sizeof(uint32_t)));
+    }
+    glDisable(GL_CULL_FACE);
+    glFrontFace(GL_CCW);
+}
+
+static void set_viewport(const al_draw *draw)
+{
+    glViewport(-draw->tile[0], -draw->tile[1], (GLsizei)draw->view->width, (GLsizei)draw->view->height);
+    glScissor(0, 0, draw->tile[2], draw->tile[3]);
+    glEnable(GL_SCISSOR_TEST);
+}
+
+static al_status draw_background(al_draw *draw)
+{
+    al_runtime *runtime = draw->runtime;
+    GLuint program;
+    al_status status = al_shaders_get(runtime->shaders, "fullscreen.vert background.frag", "", &program, draw->error);
+    if (status) return status;
+    bool shown = draw->settings.pass == AL_PASS_COMPOSITE;
+    if (draw->host_depth)
+        glBlitNamedFramebuffer(draw->framebuffer, runtime->targets.host_framebuffer, draw->tile[0], draw->tile[1],
+                               draw->tile[0] + draw->tile[2], draw->tile[1] + draw->tile[3], 0, 0, draw->tile[2],
+                               draw->tile[3], GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glUseProgram(program);
+    al_gl_bind_texture(AL_UNIT_PASS, draw->host_depth);
+    al_gl_bind_texture(AL_UNIT_PASS + 1, runtime->targets.host.id);
+    glUniform3i(0, draw->host_depth != 0, shown && !draw->settings.background_off, shown);
+    glViewport(0, 0, draw->tile[2], draw->tile[3]);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_ALWAYS);
+    glBindVertexArray(runtime->empty_vertex_array);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glDepthFunc(GL_LESS);
+    return AL_OK;
+}
+
+al_status al_surface_draw(al_draw *draw)
+{
+    al_runtime *runtime = draw->runtime;
+    const al_scene *scene = &runtime->scene;
+    GLuint program = 0;
+    al_timing_begin(&runtime->timing, AL_STAGE_SURFACE);
+    glBindFramebuffer(GL_FRAMEBUFFER, runtime->targets.scene_framebuffer);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(0, 0, draw->tile[2], draw->tile[3]);
+    al_status status = draw_background(draw);
+    if (!status && runtime->model.has_opaque) {
+        status = al_shaders_get(runtime->shaders, "surface.vert surface.frag", "", &program, draw->error);
+        if (!status) {
+            set_viewport(draw);
+            glUseProgram(program);
+            glUniform4i(5, draw->needs_shading, !draw->settings.shadows_off, -1, 0);
+            for (uint32_t i = 0; i < scene->instance_count; i++)
+                if (scene->instances[i].role == AL_ROLE_OPAQUE) draw_instance(runtime, &scene->instances[i], false);
+        }
+    }
+    glDisable(GL_DEPTH_TEST);
+    al_timing_end(&runtime->timing);
+    return status;
+}
+
+al_status al_boundary_draw(al_draw *draw, al_object *object, uint32_t index)
+{
+    static const float nothing[4] = {0}, far[1] = {1};
+    al_runtime *runtime = draw->runtime;
+    const al_scene *scene = &runtime->scene;
+    GLuint program, framebuffer = runtime->targets.boundary_framebuffer;
+    al_status status = al_shaders_get(runtime->shaders, "surface.vert surface.frag", "#define AL_BOUNDARY\n", &program,
+                                      draw->error);
+    if (status) return status;
+    bool shade = (draw->settings.pass == AL_PASS_COMPOSITE || draw->settings.pass == AL_PASS_SURFACE) &&
+                 !draw->settings.surface_off;
+    al_timing_begin(&runtime->timing, AL_STAGE_SURFACE);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, nothing); /* inside the scissor */
+    glClearNamedFramebufferfv(framebuffer, GL_COLOR, 1, nothing);
+    glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, far);
+    glViewport(-draw->tile[0], -draw->tile[1], (GLsizei)draw->view->width, (GLsizei)draw->view->height);
+    glEnable(GL_DEPTH_TEST);
+    glEnable(GL_DEPTH_CLAMP); /* a boundary nearer than the near plane still begins the medium */
+    glUseProgram(program);
+    glUniform4i(5, shade, !draw->settings.shadows_off, object->block.sizes[2], 0);
+    draw_instance(runtime, &scene->instances[scene->translucents[index].instance], true);
+    glDisable(GL_DEPTH_CLAMP);
+    glDisable(GL_DEPTH_TEST);
+    al_timing_end(&runtime->timing);
+    return AL_OK;
+}

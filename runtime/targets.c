@@ -1,0 +1,69 @@
+/* The textures one tile is drawn into; those of translucent objects exist only where the scene has some. */
+#include <string.h>
+
+#include "state.h"
+
+static al_status fit(al_draw *draw, GLenum target, GLenum format, uint32_t layers, al_gl_texture *texture)
+{
+    return al_gl_texture_fit(&draw->runtime->memory, target, format, (uint32_t)draw->tile[2], (uint32_t)draw->tile[3],
+                             layers, texture, draw->error);
+}
+
+static void attach(GLuint *framebuffer, GLuint first, GLuint second, GLuint depth)
+{
+    static const GLenum buffers[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+    if (!*framebuffer) glCreateFramebuffers(1, framebuffer);
+    glNamedFramebufferTexture(*framebuffer, GL_COLOR_ATTACHMENT0, first, 0);
+    if (second) glNamedFramebufferTexture(*framebuffer, GL_COLOR_ATTACHMENT1, second, 0);
+    if (depth) glNamedFramebufferTexture(*framebuffer, GL_DEPTH_ATTACHMENT, depth, 0);
+    glNamedFramebufferDrawBuffers(*framebuffer, second ? 2 : 1, buffers);
+}
+
+static al_status fit_object_targets(al_draw *draw)
+{
+    al_targets *t = &draw->runtime->targets;
+    bool chromatic = false;
+    for (uint32_t i = 0; i < draw->runtime->scene.translucent_count; i++)
+        chromatic = chromatic || draw->runtime->objects[i].chromatic;
+    al_status status = fit(draw, GL_TEXTURE_2D, GL_RGBA32F, 1, &t->boundary);
+    if (!status) status = fit(draw, GL_TEXTURE_2D, GL_RGBA16F, 1, &t->reflection);
+    if (!status) status = fit(draw, GL_TEXTURE_2D, GL_RGBA32F, 1, &t->ends);
+    if (!status)
+        status = fit(draw, GL_TEXTURE_2D_ARRAY, chromatic ? GL_RG32F : GL_R32F, draw->settings.interval_count,
+                     &t->knots);
+    if (!status) status = fit(draw, GL_TEXTURE_2D, GL_RGBA32F, 1, &t->light);
+    if (status) return status;
+    attach(&t->boundary_framebuffer, t->reflection.id, t->boundary.id, t->depth.id);
+    attach(&t->light_framebuffer, t->light.id, 0, 0);
+    return AL_OK;
+}
+
+al_status al_targets_fit(al_draw *draw)
+{
+    al_targets *t = &draw->runtime->targets;
+    al_status status = fit(draw, GL_TEXTURE_2D, GL_RGBA32F, 1, &t->radiance);
+    if (!status) status = fit(draw, GL_TEXTURE_2D, GL_RGBA32F, 1, &t->geometry);
+    if (!status) status = fit(draw, GL_TEXTURE_2D, GL_DEPTH_COMPONENT32F, 1, &t->depth);
+    if (status) return status;
+    attach(&t->scene_framebuffer, t->radiance.id, t->geometry.id, t->depth.id);
+    attach(&t->radiance_framebuffer, t->radiance.id, 0, 0);
+    if (draw->host_depth) {
+        status = fit(draw, GL_TEXTURE_2D, GL_RGBA32F, 1, &t->host);
+        if (status) return status;
+        attach(&t->host_framebuffer, t->host.id, 0, 0);
+    }
+    return draw->runtime->scene.translucent_count ? fit_object_targets(draw) : AL_OK;
+}
+
+void al_targets_free(al_runtime *runtime)
+{
+    al_targets *t = &runtime->targets;
+    al_gl_texture *const textures[] = {&t->radiance, &t->geometry, &t->depth, &t->boundary, &t->reflection,
+                                       &t->ends,     &t->knots,    &t->light, &t->host};
+    GLuint *const framebuffers[] = {&t->scene_framebuffer, &t->radiance_framebuffer, &t->boundary_framebuffer,
+                                    &t->light_framebuffer, &t->host_framebuffer};
+    for (size_t i = 0; i < sizeof textures / sizeof textures[0]; i++) al_gl_texture_free(&runtime->memory, textures[i]);
+    for (size_t i = 0; i < sizeof framebuffers / sizeof framebuffers[0]; i++)
+        if (*framebuffers[i]) glDeleteFramebuffers(1, framebuffers[i]);
+    memset(t, 0, sizeof *t);
+}

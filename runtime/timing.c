@@ -1,0 +1,71 @@
+#include "timing.h"
+
+#include <string.h>
+
+const char *al_stage_name(al_stage stage)
+{
+    static const char *const names[AL_STAGE_COUNT] = {"shadow", "light", "surface", "intervals", "splat", "composite"};
+    return names[stage];
+}
+
+/* Takes over a pending frame whose last query is back; false when it is not yet. */
+static bool collect(al_timing *timing, al_timing_frame *frame)
+{
+    GLuint available = 1;
+    if (frame->count) glGetQueryObjectuiv(frame->queries[frame->count - 1], GL_QUERY_RESULT_AVAILABLE, &available);
+    if (!available) return false;
+    memset(timing->ms, 0, sizeof timing->ms);
+    memset(timing->runs, 0, sizeof timing->runs);
+    for (uint32_t i = 0; i < frame->count; i++) {
+        GLuint64 nanoseconds = 0;
+        glGetQueryObjectui64v(frame->queries[i], GL_QUERY_RESULT, &nanoseconds);
+        timing->ms[frame->stages[i]] += (double)nanoseconds * 1e-6;
+        timing->runs[frame->stages[i]]++;
+    }
+    frame->pending = false;
+    return true;
+}
+
+void al_timing_begin_frame(al_timing *timing)
+{
+    for (uint32_t i = 1; i <= AL_TIMING_RING; i++) { /* oldest first */
+        al_timing_frame *frame = &timing->ring[(timing->current + i) % AL_TIMING_RING];
+        if (frame->pending && !collect(timing, frame)) break;
+    }
+    timing->current = (timing->current + 1) % AL_TIMING_RING;
+    timing->active = !timing->ring[timing->current].pending;
+    if (timing->active) timing->ring[timing->current].count = 0;
+}
+
+void al_timing_end_frame(al_timing *timing)
+{
+    if (timing->active) timing->ring[timing->current].pending = true;
+    timing->active = false;
+}
+
+void al_timing_begin(al_timing *timing, al_stage stage)
+{
+    al_timing_frame *frame = &timing->ring[timing->current];
+    const char *name = al_stage_name(stage);
+    glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, (GLuint)stage, -1, name);
+    if (timing->active && frame->count == AL_TIMING_QUERIES) timing->active = false; /* too many: not timed */
+    if (!timing->active) return;
+    GLuint *query = &frame->queries[frame->count];
+    if (!*query) glCreateQueries(GL_TIME_ELAPSED, 1, query);
+    frame->stages[frame->count++] = (uint8_t)stage;
+    glBeginQuery(GL_TIME_ELAPSED, *query);
+}
+
+void al_timing_end(al_timing *timing)
+{
+    if (timing->active) glEndQuery(GL_TIME_ELAPSED);
+    glPopDebugGroup();
+}
+
+void al_timing_free(al_timing *timing)
+{
+    for (int i = 0; i < AL_TIMING_RING; i++)
+        for (int k = 0; k < AL_TIMING_QUERIES; k++)
+            if (timing->ring[i].queries[k]) glDeleteQueries(1, &timing->ring[i].queries[k]);
+    memset(timing, 0, sizeof *timing);
+}

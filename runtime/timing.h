@@ -1,0 +1,46 @@
+/* GPU time per pass by timer queries that are read frames later, so that nothing waits; and the KHR_debug
+ * group of each pass. */
+#ifndef AIRLIGHT_RUNTIME_TIMING_H
+#define AIRLIGHT_RUNTIME_TIMING_H
+
+#include <epoxy/gl.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "airlight/runtime.h"
+
+typedef enum al_stage {
+    AL_STAGE_SHADOW,
+    AL_STAGE_LIGHT,
+    AL_STAGE_SURFACE,
+    AL_STAGE_INTERVALS,
+    AL_STAGE_SPLAT,
+    AL_STAGE_COMPOSITE,
+    AL_STAGE_COUNT
+} al_stage;
+
+enum { AL_TIMING_RING = 3, AL_TIMING_QUERIES = 256 };
+
+typedef struct al_timing_frame {
+    GLuint queries[AL_TIMING_QUERIES]; /* made on first use */
+    uint8_t stages[AL_TIMING_QUERIES];
+    uint32_t count;
+    bool pending;
+} al_timing_frame;
+
+typedef struct al_timing {
+    al_timing_frame ring[AL_TIMING_RING];
+    uint32_t current;
+    bool active;                    /* this frame is timed */
+    double ms[AL_STAGE_COUNT];      /* of the last frame that came back */
+    uint32_t runs[AL_STAGE_COUNT];  /* how often each stage ran in it */
+} al_timing;
+
+const char *al_stage_name(al_stage stage);
+void al_timing_begin_frame(al_timing *timing);
+void al_timing_end_frame(al_timing *timing);
+void al_timing_begin(al_timing *timing, al_stage stage);
+void al_timing_end(al_timing *timing);
+void al_timing_free(al_timing *timing);
+
+#endif

@@ -1,0 +1,24 @@
+#version 450 core
+// Opaque instances and boundaries of translucent objects.
+#extension GL_GOOGLE_include_directive : enable
+#include "frame.glsl"
+
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec2 uv;
+layout(location = 0) uniform mat4 world;
+
+out vec3 world_position;
+out vec3 world_normal;
+out vec2 surface_uv;
+
+void main()
+{
+    vec4 here = world * vec4(position, 1.0);
+    world_position = here.xyz;
+    // The cofactor matrix: right for every invertible transform, its length does not matter.
+    mat3 m = mat3(world);
+    world_normal = mat3(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])) * normal;
+    surface_uv = uv;
+    gl_Position = view_projection * here;
+}
