@@ -16,6 +16,7 @@
 extern char **environ;
 
 enum { HEADER_SIZE = 24 };
+static const char columns_magic[] = "ALTETCO1";
 
 /* The program's three streams are files in memory: nothing can block, and nothing is left on a disk. */
 typedef struct exchange {
@@ -123,7 +124,7 @@ static al_status run_program(const char *name, const exchange *files, al_error *
 
 static bool is_result(const char *bytes, size_t size, uint64_t counts[2])
 {
-    if (size < HEADER_SIZE || memcmp(bytes, "ALTETOU1", 8) != 0) return false;
+    if (size < HEADER_SIZE || (memcmp(bytes, "ALTETOU1", 8) != 0 && memcmp(bytes, columns_magic, 8) != 0)) return false;
     memcpy(counts, bytes + 8, 2 * sizeof *counts);
     if (counts[0] > UINT32_MAX || counts[1] > UINT32_MAX) return false;
     return size == HEADER_SIZE + counts[0] * sizeof(double[3]) + counts[1] * sizeof(uint32_t[4]);
@@ -142,7 +143,8 @@ static al_status read_result(int file, al_tetrahedra *out, al_error *error)
         goto cleanup;
     }
     size_t points_size = counts[0] * sizeof(double[3]), corners_size = counts[1] * sizeof(uint32_t[4]);
-    *out = (al_tetrahedra){(uint32_t)counts[0], (uint32_t)counts[1], malloc(points_size), malloc(corners_size)};
+    *out = (al_tetrahedra){(uint32_t)counts[0], (uint32_t)counts[1], malloc(points_size), malloc(corners_size),
+                           memcmp(bytes, columns_magic, 8) != 0};
     if (!out->points || !out->corners) {
         status = al_fail(error, AL_IO, "out of memory for %u tetrahedra", out->count);
         goto cleanup;

@@ -8,10 +8,11 @@ typedef struct al_tetrahedra {
     uint32_t point_count, count;
     double *points;    /* [point_count][3] metres */
     uint32_t *corners; /* [count][4] */
+    bool exact;        /* false: the surface cuts itself and is filled within 1/512 of its box */
 } al_tetrahedra;
 
-/* Starts airlight-tetrahedra, found beside the running program. A surface that cuts itself: AL_BAD_INPUT with
- * `name` in the message. The volumes sum to the surface's. */
+/* Starts airlight-tetrahedra, found beside the running program. The volumes sum to the surface's, if that does
+ * not cut itself; else to about that of what it winds around. Failures have `name` in the message. */
 al_status al_tetrahedralise(const char *name, const al_triangles *surface, al_tetrahedra *tetrahedra, al_error *error);
 void al_tetrahedra_free(al_tetrahedra *tetrahedra);
 

@@ -7,6 +7,8 @@
  *         f64 [P'][3] positions, u32 [N][4] corners of positive volume
  * The first P positions of the output are the input's, bit by bit; more follow where the surface cannot be
  * filled without. Surfaces keep their triangles; cavities (inner surfaces that face inwards) stay empty.
+ * A surface that cuts itself, as many scans do a little, cannot be kept: it is filled with columns instead
+ * (columns.h), and the output begins with "ALTETCO1".
  *
  * TetGen ends its caller in many ways, so it works in a child process: whatever happens to that becomes one
  * line and an exit code. */
@@ -27,15 +29,11 @@
 #include <tetgen.h>
 
 #include "airlight/program.h"
+#include "columns.h"
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "arrays are read and written as they lie in memory");
 
 namespace {
-
-struct surface {
-    std::vector<double> points;
-    std::vector<uint32_t> corners;
-};
 
 struct header {
     char magic[8];
@@ -173,22 +171,22 @@ std::vector<uint32_t> collect(const surface &from, const tetgenio &mesh)
     return corners;
 }
 
-bool write_mesh(FILE *out, const tetgenio &mesh, const std::vector<uint32_t> &corners)
+bool write_mesh(FILE *out, const char *magic, const double *points, uint64_t point_count,
+                const std::vector<uint32_t> &corners)
 {
     header head;
-    std::memcpy(head.magic, "ALTETOU1", 8);
-    head.point_count = static_cast<uint64_t>(mesh.numberofpoints);
+    std::memcpy(head.magic, magic, sizeof head.magic);
+    head.point_count = point_count;
     head.cell_count = corners.size() / 4;
-    const size_t coordinates = static_cast<size_t>(mesh.numberofpoints) * 3;
     return std::fwrite(&head, sizeof head, 1, out) == 1 &&
-           std::fwrite(mesh.pointlist, sizeof(double), coordinates, out) == coordinates &&
+           std::fwrite(points, sizeof(double[3]), point_count, out) == point_count &&
            std::fwrite(corners.data(), sizeof(uint32_t), corners.size(), out) == corners.size() &&
            std::fflush(out) == 0;
 }
 
 /* What the child ends with. TetGen's own codes: 1 memory, 2 internal, 3 self-intersection, 4 and 5 features
  * too small or too close, 10 input. */
-enum : int { FAILED_TO_WRITE = 100, NO_INTERIOR = 101 };
+enum : int { OUT_OF_MEMORY = 1, INTERNAL = 2, FAILED_TO_WRITE = 100, NO_INTERIOR = 101 };
 
 /* p: fill a surface. Y: keep its triangles. A: number the regions. z: count from 0. Q: no words. */
 int work(const surface &from, FILE *out)
@@ -200,11 +198,12 @@ int work(const surface &from, FILE *out)
         tetrahedralize(from.corners.empty() ? delaunay : fill, &in, &mesh);
         const std::vector<uint32_t> corners = collect(from, mesh);
         if (corners.empty()) return NO_INTERIOR;
-        return write_mesh(out, mesh, corners) ? 0 : FAILED_TO_WRITE;
+        const uint64_t count = static_cast<uint64_t>(mesh.numberofpoints);
+        return write_mesh(out, "ALTETOU1", mesh.pointlist, count, corners) ? 0 : FAILED_TO_WRITE;
     } catch (int code) {
-        return code > 0 && code < 100 ? code : 2;
+        return code > 0 && code < FAILED_TO_WRITE ? code : INTERNAL;
     } catch (const std::bad_alloc &) {
-        return 1;
+        return OUT_OF_MEMORY;
     }
 }
 
@@ -222,23 +221,29 @@ int work_in_child(const surface &from, FILE *out, bool verbose)
         _exit(result ? work(from, result) : FAILED_TO_WRITE);
     }
     int status = 0;
-    if (child < 0 || waitpid(child, &status, 0) != child) return 1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 2;
+    if (child < 0 || waitpid(child, &status, 0) != child) return OUT_OF_MEMORY;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : INTERNAL;
+}
+
+int work_with_columns(const surface &from, FILE *out)
+{
+    const uint32_t resolution = 256;
+    const surface filled = fill_with_columns(from, resolution);
+    if (filled.corners.empty()) return NO_INTERIOR;
+    return write_mesh(out, "ALTETCO1", filled.points.data(), filled.points.size() / 3, filled.corners) ?
+               0 : FAILED_TO_WRITE;
 }
 
 al_status explain(int code, const char *name, al_error *error)
 {
     switch (code) {
     case 0: return AL_OK;
-    case 1: return al_fail(error, AL_IO, "%s: out of memory", name);
-    case 3: return al_fail(error, AL_BAD_INPUT, "%s: the surface cuts itself; a surface without self-intersections "
-                                                "is right", name);
-    case 4:
-    case 5: return al_fail(error, AL_BAD_INPUT, "%s: parts of the surface nearly touch; separate or join them", name);
+    case OUT_OF_MEMORY: return al_fail(error, AL_IO, "%s: out of memory", name);
     case FAILED_TO_WRITE: return al_fail(error, AL_IO, "%s: the tetrahedra cannot be written", name);
-    case NO_INTERIOR: return al_fail(error, AL_BAD_INPUT, "%s: there is nothing inside", name);
-    default: return al_fail(error, AL_BAD_INPUT, "%s: cannot be filled with tetrahedra (TetGen ended with %d); a "
-                                                 "closed surface without self-intersections is right", name, code);
+    case NO_INTERIOR: return al_fail(error, AL_BAD_INPUT, "%s: there is nothing inside; a closed surface that faces "
+                                                          "outwards is right", name);
+    default: return al_fail(error, AL_BAD_INPUT, "%s: TetGen ended with %d; points that do not all lie in one plane "
+                                                 "are right", name, code);
     }
 }
 
@@ -256,7 +261,8 @@ al_status run(const char *input, const char *output, bool verbose, al_error *err
         return al_fail(error, AL_BAD_INPUT, "%s: has %zu points; at least 4 are right", name, from.points.size() / 3);
     FILE *out = output ? std::fopen(output, "wb") : stdout;
     if (!out) return al_fail_errno(error, output, "open");
-    const int code = work_in_child(from, out, verbose);
+    int code = work_in_child(from, out, verbose);
+    if (code > OUT_OF_MEMORY && code < FAILED_TO_WRITE && !from.corners.empty()) code = work_with_columns(from, out);
     if (output) std::fclose(out);
     const al_status status = explain(code, name, error);
     if (status && output) std::remove(output);
