@@ -183,7 +183,7 @@ static void name_of(const struct aiMaterial *from, uint32_t index, char out[NAME
 }
 
 al_status al_material_import(al_import *import, const struct aiScene *file, al_mesh_format format, const char *path,
-                             uint32_t index, uint32_t *map, uint32_t *material, al_error *error)
+                             uint32_t index, float strength, uint32_t *map, uint32_t *material, al_error *error)
 {
     const al_scene_description *description = import->description;
     const struct aiMaterial *from = file->mMaterials[index];
@@ -200,6 +200,7 @@ al_status al_material_import(al_import *import, const struct aiScene *file, al_m
     } else if (map[index] == AL_NO_INDEX) {
         if (format == AL_MESH_GLTF) read_gltf(from, &made);
         else read_obj(from, &made);
+        for (int i = 0; i < 3; i++) made.emission_w_m2_sr[i] *= strength;
         status = read_textures(import, file, path, from, format, &made, error);
         if (!status) status = add_material(&import->scene, &made, name, &map[index], error);
     }

@@ -6,13 +6,13 @@
 
 #include "import.h"
 
-typedef enum al_mesh_format { AL_MESH_PLAIN = 0 /* PLY, OFF, STL: no materials */, AL_MESH_OBJ, AL_MESH_GLTF } al_mesh_format;
+typedef enum al_mesh_format { AL_MESH_PLAIN = 0 /* PLY, STL: no materials */, AL_MESH_OBJ, AL_MESH_GLTF } al_mesh_format;
 
 /* Index of the scene's material for material `index` of the file: the scene file's own of that name, else made
  * from the file. `path` is the mesh file, for its textures. `map` remembers: [file->mNumMaterials], all
- * AL_NO_INDEX at first. */
+ * AL_NO_INDEX at first. The emission is the file's times `strength`. */
 al_status al_material_import(al_import *import, const struct aiScene *file, al_mesh_format format, const char *path,
-                             uint32_t index, uint32_t *map, uint32_t *material, al_error *error);
+                             uint32_t index, float strength, uint32_t *map, uint32_t *material, al_error *error);
 
 /* The material of meshes that name none. */
 al_status al_material_default(al_scene *scene, uint32_t *material, al_error *error);

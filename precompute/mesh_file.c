@@ -11,8 +11,10 @@
 #include <strings.h>
 
 #include "geometry.h"
+#include "gltf_extras.h"
 #include "inputs.h"
 #include "material_file.h"
+#include "off_file.h"
 
 enum { NODE_DEPTH_LIMIT = 512 };
 
@@ -102,6 +104,7 @@ typedef struct mesh_import {
     const struct aiScene *file;
     al_mesh_format format;
     double placement[16]; /* file space to world: the scene file's transform and unit */
+    al_gltf_extras extras;
     uint32_t *materials;  /* [file->mNumMaterials] scene material or AL_NO_INDEX */
     al_corners corners;   /* of the mesh being made */
     al_submesh *submeshes;
@@ -118,8 +121,8 @@ static al_status format_of(const char *path, al_mesh_format *format)
     static const struct {
         const char *ending;
         al_mesh_format format;
-    } known[] = {{".gltf", AL_MESH_GLTF}, {".glb", AL_MESH_GLTF},  {".obj", AL_MESH_OBJ},
-                 {".ply", AL_MESH_PLAIN}, {".off", AL_MESH_PLAIN}, {".stl", AL_MESH_PLAIN}};
+    } known[] = {{".gltf", AL_MESH_GLTF}, {".glb", AL_MESH_GLTF}, {".obj", AL_MESH_OBJ},
+                 {".ply", AL_MESH_PLAIN}, {".stl", AL_MESH_PLAIN}};
     const char *ending = strrchr(path, '.');
     for (size_t i = 0; ending && i < sizeof known / sizeof known[0]; i++)
         if (strcasecmp(ending, known[i].ending) == 0) {
@@ -139,8 +142,11 @@ static al_status load_file(mesh_import *job, al_error *error)
                                             "right", job->use->name);
     al_status status = al_inputs_read(job->import, path, &bytes, &size, error); /* a clear word when it is absent */
     if (status) return status;
+    if (!size) status = al_fail(error, AL_BAD_INPUT, "%s: the file is empty", job->use->name);
+    else if (job->format == AL_MESH_GLTF)
+        status = al_gltf_extras_read(job->use->name, bytes, size, &job->extras, error);
     free(bytes);
-    if (!size) return al_fail(error, AL_BAD_INPUT, "%s: the file is empty", job->use->name);
+    if (status) return status;
     file_source source = {.import = job->import};
     struct aiFileIO io = {file_open, file_close, (char *)&source};
     job->file = aiImportFileEx(path, aiProcess_Triangulate, &io);
@@ -243,8 +249,10 @@ static al_status material_of(mesh_import *job, const struct aiMesh *mesh, uint32
             return AL_OK;
         }
     if (mesh->mMaterialIndex >= job->file->mNumMaterials) return al_material_default(&job->import->scene, material, error);
-    return al_material_import(job->import, job->file, job->format, job->mesh->file, mesh->mMaterialIndex,
-                              job->materials, material, error);
+    uint32_t index = mesh->mMaterialIndex;
+    float strength = index < job->extras.material_count ? job->extras.emissive_strength[index] : 1;
+    return al_material_import(job->import, job->file, job->format, job->mesh->file, index, strength, job->materials,
+                              material, error);
 }
 
 static al_status add_submesh(mesh_import *job, uint32_t material, uint32_t first, al_error *error)
@@ -445,10 +453,11 @@ static al_status add_light(mesh_import *job, const struct aiLight *from, const s
     return AL_OK;
 }
 
-static al_status add_camera(mesh_import *job, const struct aiCamera *from, const struct aiNode *node, al_error *error)
+static al_status add_camera(mesh_import *job, uint32_t index, const struct aiNode *node, al_error *error)
 {
+    const struct aiCamera *from = job->file->mCameras[index];
     al_scene *scene = &job->import->scene;
-    double world[16], aspect = from->mAspect > 0 ? from->mAspect : 1;
+    double world[16];
     al_camera *camera = al_scene_append(scene, &scene->cameras, &scene->camera_count, sizeof *camera);
     if (!camera) return out_of_memory(job, error);
     camera->name = al_scene_text(scene, from->mName.data);
@@ -459,10 +468,11 @@ static al_status add_camera(mesh_import *job, const struct aiCamera *from, const
     direction_in_world(world, &from->mLookAt, forward);
     direction_in_world(world, &from->mUp, camera->up);
     for (int i = 0; i < 3; i++) camera->target[i] = camera->position[i] + forward[i];
-    camera->fov_y_radians = (float)(2 * atan(tan(from->mHorizontalFOV / 2.0) / aspect));
+    camera->fov_y_radians = index < job->extras.camera_count ? job->extras.fov_y_radians[index] : 0;
     if (!(camera->fov_y_radians > 1e-4f && camera->fov_y_radians < 3.13f))
-        return al_fail(error, AL_BAD_INPUT, "%s: camera \"%s\" has no usable field of view", job->use->name,
-                       from->mName.data);
+        return al_fail(error, AL_BAD_INPUT, "%s: camera \"%s\" has a field of view of %g radians; a perspective camera "
+                                            "is right, or \"import_cameras\": false", job->use->name,
+                       from->mName.data, camera->fov_y_radians);
     return AL_OK;
 }
 
@@ -475,7 +485,7 @@ static al_status add_lights_and_cameras(mesh_import *job, const struct aiNode *r
     }
     for (unsigned i = 0; i < job->file->mNumCameras && job->mesh->import_cameras && !status; i++) {
         const struct aiNode *node = find_node(job->file->mRootNode, job->file->mCameras[i]->mName.data);
-        if (node && is_inside(node, root)) status = add_camera(job, job->file->mCameras[i], node, error);
+        if (node && is_inside(node, root)) status = add_camera(job, i, node, error);
     }
     return status;
 }
@@ -510,42 +520,62 @@ static al_status import_file(mesh_import *job, al_error *error)
     return status ? status : read_absorption(job, error);
 }
 
-static al_status import_shape(mesh_import *job, al_error *error)
+static al_status read_off(mesh_import *job, al_error *error)
+{
+    uint8_t *bytes;
+    size_t size;
+    if (*job->mesh->node)
+        return al_fail(error, AL_BAD_INPUT, "%s: OFF files have no nodes; remove \"node\"", job->use->name);
+    al_status status = al_inputs_read(job->import, job->mesh->file, &bytes, &size, error);
+    if (!status) status = al_off_corners(job->use->name, (const char *)bytes, &job->corners, error);
+    free(bytes);
+    return status;
+}
+
+/* Shapes and OFF files: one mesh, no materials of their own. */
+static al_status import_bare(mesh_import *job, al_error *error)
 {
     double rigid[16], rest[16];
     const struct aiMesh no_file = {.mMaterialIndex = UINT32_MAX};
     const struct aiScene no_scene = {.mNumMaterials = 0};
     uint32_t material;
-    if (job->mesh->hidden && !job->use->object) return AL_OK;
     job->file = &no_scene;
-    al_status status = al_shape_corners(&job->mesh->shape, &job->corners, error);
+    al_status status = job->mesh->shape.type ? al_shape_corners(&job->mesh->shape, &job->corners, error) :
+                                               read_off(job, error);
+    if (!status && !job->use->object && job->mesh->hidden) goto cleanup;
     if (!status) status = material_of(job, &no_file, &material, error);
     if (!status) status = add_submesh(job, material, 0, error);
-    if (!status) {
-        if (job->use->object) {
-            memcpy(rigid, job->use->object, sizeof rigid);
-            al_matrix_invert(rigid, rest);
-            al_matrix_multiply(rest, job->placement, rest);
-        } else {
-            al_matrix_split(job->placement, rigid, rest);
-        }
-        al_corners_transform(&job->corners, 0, rest);
-        status = add_whole(job, rigid, error);
+    if (status) goto cleanup;
+    if (job->use->object) {
+        memcpy(rigid, job->use->object, sizeof rigid);
+        al_matrix_invert(rigid, rest);
+        al_matrix_multiply(rest, job->placement, rest);
+    } else {
+        al_matrix_split(job->placement, rigid, rest);
     }
+    al_corners_transform(&job->corners, 0, rest);
+    status = add_whole(job, rigid, error);
+cleanup:
     job->file = NULL;
     return status;
+}
+
+static bool is_bare(const al_mesh_description *mesh)
+{
+    const char *ending = strrchr(mesh->file, '.');
+    return mesh->shape.type || (ending && strcasecmp(ending, ".off") == 0);
 }
 
 al_status al_mesh_file_import(al_import *import, const al_mesh_description *mesh, const al_mesh_use *use,
                               al_error *error)
 {
     mesh_import job = {.import = import, .mesh = mesh, .use = use};
-    const double unit = mesh->unit_m;
     memcpy(job.placement, mesh->transform, sizeof job.placement);
-    for (int i = 0; i < 12; i++) job.placement[i] *= unit;
-    al_status status = mesh->shape.type == AL_SHAPE_NONE ? import_file(&job, error) : import_shape(&job, error);
+    for (int i = 0; i < 12; i++) job.placement[i] *= mesh->unit_m;
+    al_status status = is_bare(mesh) ? import_bare(&job, error) : import_file(&job, error);
     if (job.file) aiReleaseImport(job.file);
     al_corners_free(&job.corners);
+    al_gltf_extras_free(&job.extras);
     free(job.submeshes);
     free(job.materials);
     return status;
