@@ -80,8 +80,11 @@ static int write_variant(const char *path, variant v)
             }
     exr_context_t context;
     exr_context_initializer_t options = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    exr_attr_box2i_t window = {{-3, 5}, {-3 + WIDTH - 1, 5 + HEIGHT - 1}};
-    exr_attr_v2f_t center = {0, 0};
+    exr_attr_box2i_t window;
+    exr_attr_v2f_t center;
+    window.min.x = -3, window.min.y = 5;
+    window.max.x = -3 + WIDTH - 1, window.max.y = 5 + HEIGHT - 1;
+    center.x = center.y = 0;
     failed |= exr_start_write(&context, path, EXR_WRITE_FILE_DIRECTLY, &options);
     failed |= exr_add_part(context, "p", v.storage, &part);
     failed |= exr_initialize_required_attr(context, part, &window, &window, 1, &center, 1, EXR_LINEORDER_INCREASING_Y,

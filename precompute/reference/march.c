@@ -1,0 +1,234 @@
+#include "march.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { STEPS_PER_VOXEL = 4, STEP_LIMIT = 1 << 20 };
+
+al_march_medium al_march_medium_of(const al_import *import, uint32_t object)
+{
+    uint32_t index = import->scene.translucents[object].medium;
+    const al_medium_description *from = &import->description->media[index];
+    al_march_medium medium = {.density = import->densities[index], .description = &from->density, .g = from->g};
+    medium.step_m = INFINITY;
+    if (from->density.type == AL_DENSITY_GRID) medium.step_m = al_density_detail_m(medium.density) / STEPS_PER_VOXEL;
+    for (int c = 0; c < 3; c++) {
+        medium.sigma_s_per_m[c] = from->sigma_s_per_m[c];
+        medium.sigma_t_per_m[c] = from->sigma_s_per_m[c] + from->sigma_a_per_m[c];
+    }
+    return medium;
+}
+
+static double density_at(const al_march_medium *medium, const al_ray *ray, double distance_m)
+{
+    double position[3];
+    for (int k = 0; k < 3; k++) position[k] = ray->origin[k] + distance_m * ray->direction[k];
+    return al_density_at(medium->density, position);
+}
+
+/* Cuts [begin, end] to the medium's bounds; false when nothing is left. */
+static bool clip(const al_march_medium *medium, const al_ray *ray, double *begin_m, double *end_m)
+{
+    const al_density_description *from = medium->description;
+    for (int k = 0; from->has_bounds && k < 3; k++) {
+        double low = from->bounds_min_m[k] - ray->origin[k], high = from->bounds_max_m[k] - ray->origin[k];
+        if (ray->direction[k] == 0) {
+            if (low > 0 || high < 0) return false;
+            continue;
+        }
+        double a = low / ray->direction[k], b = high / ray->direction[k];
+        *begin_m = fmax(*begin_m, fmin(a, b));
+        *end_m = fmin(*end_m, fmax(a, b));
+    }
+    return *begin_m < *end_m;
+}
+
+static uint32_t step_count(const al_march_medium *medium, double length_m)
+{
+    return (uint32_t)fmin(ceil(fmax(length_m / medium->step_m, 1)), STEP_LIMIT);
+}
+
+/* In periods: the layers' phase at a distance along the ray, and its slope. */
+static double layer_phase(const al_density_description *from, const al_ray *ray, double distance_m, double *slope)
+{
+    double along = 0;
+    *slope = 0;
+    for (int k = 0; k < 3; k++) {
+        along += from->axis[k] * (ray->origin[k] + distance_m * ray->direction[k]);
+        *slope += from->axis[k] * ray->direction[k] / from->period_m;
+    }
+    return (along - from->offset_m) / from->period_m;
+}
+
+/* The share of high layers between two phases: with f = thickness / period, the integral of the indicator from 0
+ * to p is floor(p) f + min(p - floor(p), f). */
+static double layers_length(const al_march_medium *medium, const al_ray *ray, double begin_m, double end_m)
+{
+    const al_density_description *from = medium->description;
+    double slope, share, f = fmin(from->thickness_m / from->period_m, 1);
+    double a = layer_phase(from, ray, begin_m, &slope), b = layer_phase(from, ray, end_m, &slope);
+    if (fabs(b - a) < 1e-9) return (end_m - begin_m) * density_at(medium, ray, 0.5 * (begin_m + end_m));
+    share = (floor(b) - floor(a)) * f + fmin(b - floor(b), f) - fmin(a - floor(a), f);
+    share = fmin(fmax(share / (b - a), 0), 1);
+    return (end_m - begin_m) * from->scale * (from->low + share * (from->high - from->low));
+}
+
+double al_march_length(const al_march_medium *medium, const al_ray *ray, double begin_m, double end_m)
+{
+    if (!clip(medium, ray, &begin_m, &end_m)) return 0;
+    if (medium->description->type == AL_DENSITY_LAYERS) return layers_length(medium, ray, begin_m, end_m);
+    uint32_t count = step_count(medium, end_m - begin_m);
+    double step = (end_m - begin_m) / count, sum = 0;
+    for (uint32_t i = 0; i < count; i++) sum += density_at(medium, ray, begin_m + (i + 0.5) * step);
+    return sum * step;
+}
+
+/* --- cells --- */
+
+void al_cells_free(al_cells *cells)
+{
+    free(cells->cells);
+    free(cells->parts);
+    free(cells->breaks);
+    free(cells->ends);
+    *cells = (al_cells){0};
+}
+
+static bool make_room(void *array, uint32_t count, uint32_t *room, size_t size)
+{
+    if (count < *room) return true;
+    uint32_t wanted = *room ? 2 * *room : 64;
+    void *grown = wanted > *room ? realloc(*(void **)array, wanted * size) : NULL;
+    if (!grown) return false;
+    *(void **)array = grown;
+    *room = wanted;
+    return true;
+}
+
+static bool push(double **list, uint32_t *count, uint32_t *room, double value)
+{
+    if (!make_room(list, *count, room, sizeof **list)) return false;
+    (*list)[(*count)++] = value;
+    return true;
+}
+
+static bool push_break(al_cells *cells, double distance_m, double begin_m, double end_m)
+{
+    if (!(distance_m > begin_m && distance_m < end_m)) return true;
+    return push(&cells->breaks, &cells->break_count, &cells->break_room, distance_m);
+}
+
+/* Where a layer begins or ends: phases k and k + f. */
+static bool break_layers(const al_march_medium *medium, const al_ray *ray, double begin_m, double end_m, al_cells *cells)
+{
+    const al_density_description *from = medium->description;
+    double slope, f = from->thickness_m / from->period_m;
+    double a = layer_phase(from, ray, begin_m, &slope), b = layer_phase(from, ray, end_m, &slope);
+    if (fabs(b - a) < 1e-9 || fabs(b - a) > STEP_LIMIT) return true;
+    for (double k = floor(fmin(a, b)); k <= ceil(fmax(a, b)); k++)
+        if (!push_break(cells, begin_m + (k - a) / slope, begin_m, end_m) ||
+            !push_break(cells, begin_m + (k + f - a) / slope, begin_m, end_m))
+            return false;
+    return true;
+}
+
+/* Distances within (begin, end) between which the medium's density is taken as constant. */
+static bool break_medium(const al_march_medium *medium, const al_ray *ray, double begin_m, double end_m, al_cells *cells)
+{
+    double first = begin_m, last = end_m;
+    if (!clip(medium, ray, &first, &last)) return true;
+    if (!push_break(cells, first, begin_m, end_m) || !push_break(cells, last, begin_m, end_m)) return false;
+    if (medium->description->type == AL_DENSITY_LAYERS) return break_layers(medium, ray, first, last, cells);
+    uint32_t count = step_count(medium, last - first);
+    for (uint32_t i = 1; i < count; i++)
+        if (!push_break(cells, first + (last - first) * i / count, begin_m, end_m)) return false;
+    return true;
+}
+
+static int compare_doubles(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The breaks of one medium come nearly sorted: few of them move, and not far. */
+static void sort_breaks(al_cells *cells, uint32_t media_count)
+{
+    double *list = cells->breaks;
+    if (media_count > 1) {
+        qsort(list, cells->break_count, sizeof *list, compare_doubles);
+        return;
+    }
+    for (uint32_t i = 1; i < cells->break_count; i++) {
+        double value = list[i];
+        uint32_t k = i;
+        for (; k > 0 && list[k - 1] > value; k--) list[k] = list[k - 1];
+        list[k] = value;
+    }
+}
+
+/* One cell, unless it is empty. */
+static bool push_cell(const al_march_medium *media, const al_ray *ray, const al_segment *segments, uint32_t count,
+                      double begin_m, double end_m, al_cells *cells)
+{
+    if (!(begin_m < end_m)) return true;
+    double middle = 0.5 * (begin_m + end_m);
+    al_cell cell = {.begin_m = begin_m, .end_m = end_m, .first_part = cells->part_count};
+    for (uint32_t i = 0; i < count; i++) {
+        if (middle < segments[i].begin_m || middle > segments[i].end_m) continue;
+        const al_march_medium *medium = &media[segments[i].object];
+        double density = density_at(medium, ray, middle);
+        if (density == 0) continue;
+        if (!make_room(&cells->parts, cells->part_count, &cells->part_room, sizeof(al_cell_part))) return false;
+        cells->parts[cells->part_count++] = (al_cell_part){segments[i].object, density};
+        cell.part_count++;
+        for (int c = 0; c < 3; c++) cell.sigma_t_per_m[c] += density * medium->sigma_t_per_m[c];
+    }
+    if (!cell.part_count) return true;
+    if (!make_room(&cells->cells, cells->count, &cells->room, sizeof(al_cell))) return false;
+    for (int c = 0; c < 3; c++) {
+        cell.depth[c] = cells->depth[c];
+        cells->depth[c] += (end_m - begin_m) * cell.sigma_t_per_m[c];
+    }
+    cells->cells[cells->count++] = cell;
+    return true;
+}
+
+/* The cells between two neighbouring ends of segments: the same media all along. */
+static bool cut_interval(const al_march_medium *media, const al_ray *ray, const al_segment *segments, uint32_t count,
+                         double begin_m, double end_m, al_cells *cells)
+{
+    uint32_t active = 0;
+    double middle = 0.5 * (begin_m + end_m), from = begin_m;
+    cells->break_count = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        if (middle < segments[i].begin_m || middle > segments[i].end_m) continue;
+        active++;
+        if (!break_medium(&media[segments[i].object], ray, begin_m, end_m, cells)) return false;
+    }
+    if (!active) return true;
+    sort_breaks(cells, active);
+    for (uint32_t i = 0; i <= cells->break_count; i++) {
+        double to = i < cells->break_count ? cells->breaks[i] : end_m;
+        if (!push_cell(media, ray, segments, count, from, to, cells)) return false;
+        from = to;
+    }
+    return true;
+}
+
+bool al_march_cells(const al_march_medium *media, const al_ray *ray, const al_segment *segments, uint32_t count,
+                    al_cells *cells)
+{
+    cells->count = cells->part_count = cells->end_count = 0;
+    for (int c = 0; c < 3; c++) cells->depth[c] = 0;
+    for (uint32_t i = 0; i < count; i++)
+        if (!push(&cells->ends, &cells->end_count, &cells->end_room, segments[i].begin_m) ||
+            !push(&cells->ends, &cells->end_count, &cells->end_room, segments[i].end_m))
+            return false;
+    qsort(cells->ends, cells->end_count, sizeof(double), compare_doubles);
+    for (uint32_t i = 0; i + 1 < cells->end_count; i++)
+        if (cells->ends[i] < cells->ends[i + 1] &&
+            !cut_interval(media, ray, segments, count, cells->ends[i], cells->ends[i + 1], cells))
+            return false;
+    return true;
+}
