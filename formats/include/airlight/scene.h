@@ -87,7 +87,7 @@ typedef struct al_light {
 
 enum { AL_ENVIRONMENT_ORDER = 8 };
 
-typedef struct al_environment { /* lat-long, first row +y, column 0 looks along -x ... see docs/scene.md */
+typedef struct al_environment { /* lat-long: first row +y, middle column -z, right quarter +x */
     uint32_t width, height;     /* 0: none */
     float *pixels;              /* [height][width][3] radiance, W/(m2 sr), scale and rotation applied */
     float sh[3][AL_ENVIRONMENT_ORDER * AL_ENVIRONMENT_ORDER]; /* of incident radiance, world axes */
