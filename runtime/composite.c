@@ -26,6 +26,7 @@ al_status al_object_join(al_draw *draw)
     glBindVertexArray(runtime->empty_vertex_array);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glDisable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ZERO); /* a second source forbids two colour targets, blending or not */
     al_timing_end(&runtime->timing);
     return AL_OK;
 }

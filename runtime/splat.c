@@ -10,7 +10,7 @@ al_status al_splat_draw(al_draw *draw, al_object *object)
     al_targets *targets = &runtime->targets;
     char defines[96];
     GLuint program;
-    snprintf(defines, sizeof defines, "%s%s", targets->knots.format == GL_RG32F ? "#define AL_CHROMATIC\n" : "",
+    snprintf(defines, sizeof defines, "%s%s", object->chromatic ? "#define AL_CHROMATIC\n" : "",
              draw->settings.pass == AL_PASS_UNITY           ? "#define AL_UNITY\n"
              : draw->settings.view_leg == AL_VIEW_LEG_SH ? "#define AL_VIEW_SH\n"
                                                             : "");

@@ -22,15 +22,15 @@ static void attach(GLuint *framebuffer, GLuint first, GLuint second, GLuint dept
 static al_status fit_object_targets(al_draw *draw)
 {
     al_targets *t = &draw->runtime->targets;
-    bool chromatic = false;
+    bool chromatic = false; /* extinction differs between channels: the interval map holds optical depths too */
     for (uint32_t i = 0; i < draw->runtime->scene.translucent_count; i++)
         chromatic = chromatic || draw->runtime->objects[i].chromatic;
     al_status status = fit(draw, GL_TEXTURE_2D, GL_RGBA32F, 1, &t->boundary);
     if (!status) status = fit(draw, GL_TEXTURE_2D, GL_RGBA16F, 1, &t->reflection);
     if (!status) status = fit(draw, GL_TEXTURE_2D, GL_RGBA32F, 1, &t->ends);
     if (!status)
-        status = fit(draw, GL_TEXTURE_2D_ARRAY, chromatic ? GL_RG32F : GL_R32F, draw->settings.interval_count,
-                     &t->knots);
+        status = fit(draw, GL_TEXTURE_2D_ARRAY, GL_RGBA32F,
+                     (draw->settings.interval_count + 1) / 4 * (chromatic ? 2 : 1), &t->knots);
     if (!status) status = fit(draw, GL_TEXTURE_2D, GL_RGBA32F, 1, &t->light);
     if (status) return status;
     attach(&t->boundary_framebuffer, t->reflection.id, t->boundary.id, t->depth.id);

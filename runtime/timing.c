@@ -16,11 +16,12 @@ static bool collect(al_timing *timing, al_timing_frame *frame)
     if (!available) return false;
     memset(timing->ms, 0, sizeof timing->ms);
     memset(timing->runs, 0, sizeof timing->runs);
-    for (uint32_t i = 0; i < frame->count; i++) {
-        GLuint64 nanoseconds = 0;
-        glGetQueryObjectui64v(frame->queries[i], GL_QUERY_RESULT, &nanoseconds);
-        timing->ms[frame->stages[i]] += (double)nanoseconds * 1e-6;
-        timing->runs[frame->stages[i]]++;
+    for (uint32_t i = 0; i + 1 < frame->count; i += 2) {
+        GLuint64 begin = 0, end = 0; /* nanoseconds */
+        glGetQueryObjectui64v(frame->queries[i], GL_QUERY_RESULT, &begin);
+        glGetQueryObjectui64v(frame->queries[i + 1], GL_QUERY_RESULT, &end);
+        timing->ms[frame->stages[i / 2]] += end > begin ? (double)(end - begin) * 1e-6 : 0;
+        timing->runs[frame->stages[i / 2]]++;
     }
     frame->pending = false;
     return true;
@@ -43,22 +44,28 @@ void al_timing_end_frame(al_timing *timing)
     timing->active = false;
 }
 
+static void mark(al_timing *timing)
+{
+    al_timing_frame *frame = &timing->ring[timing->current];
+    if (!timing->active) return;
+    GLuint *query = &frame->queries[frame->count++];
+    if (!*query) glCreateQueries(GL_TIMESTAMP, 1, query);
+    glQueryCounter(*query, GL_TIMESTAMP);
+}
+
 void al_timing_begin(al_timing *timing, al_stage stage)
 {
     al_timing_frame *frame = &timing->ring[timing->current];
     const char *name = al_stage_name(stage);
     glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, (GLuint)stage, -1, name);
     if (timing->active && frame->count == AL_TIMING_QUERIES) timing->active = false; /* too many: not timed */
-    if (!timing->active) return;
-    GLuint *query = &frame->queries[frame->count];
-    if (!*query) glCreateQueries(GL_TIME_ELAPSED, 1, query);
-    frame->stages[frame->count++] = (uint8_t)stage;
-    glBeginQuery(GL_TIME_ELAPSED, *query);
+    if (timing->active) frame->stages[frame->count / 2] = (uint8_t)stage;
+    mark(timing);
 }
 
 void al_timing_end(al_timing *timing)
 {
-    if (timing->active) glEndQuery(GL_TIME_ELAPSED);
+    mark(timing);
     glPopDebugGroup();
 }
 

@@ -1,4 +1,4 @@
-/* GPU time per pass by timer queries that are read frames later, so that nothing waits; and the KHR_debug
+/* GPU time per pass by pairs of timestamps that are read frames later, so that nothing waits; and the KHR_debug
  * group of each pass. */
 #ifndef AIRLIGHT_RUNTIME_TIMING_H
 #define AIRLIGHT_RUNTIME_TIMING_H
@@ -19,11 +19,11 @@ typedef enum al_stage {
     AL_STAGE_COUNT
 } al_stage;
 
-enum { AL_TIMING_RING = 3, AL_TIMING_QUERIES = 256 };
+enum { AL_TIMING_RING = 3, AL_TIMING_QUERIES = 512 };
 
 typedef struct al_timing_frame {
-    GLuint queries[AL_TIMING_QUERIES]; /* made on first use */
-    uint8_t stages[AL_TIMING_QUERIES];
+    GLuint queries[AL_TIMING_QUERIES]; /* timestamps, a pair for each run of a stage; made on first use */
+    uint8_t stages[AL_TIMING_QUERIES / 2];
     uint32_t count;
     bool pending;
 } al_timing_frame;

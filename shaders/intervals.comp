@@ -8,8 +8,9 @@
 // the front and takes what lies before it too, so that no optical depth is lost (in a homogeneous medium its
 // density comes out exact). Both marches stop at opaque surfaces, at blockers and where nothing is left to see.
 //
-// Knots hold t; AL_CHROMATIC also the optical depth of the largest channel (in grey media it follows from the
-// index, see knot_depth in splat.frag). Ends: t_0, t_last (equal: no medium), optical depth, 1 behind a blocker.
+// Layer j of the knots holds t of the knots 4j+1 to 4j+4 but for the last; unused places repeat the last but one.
+// AL_CHROMATIC: as many layers again hold the optical depth of the largest channel there (in grey media it follows
+// from the equal steps). Ends: t_0, t_last (equal: no medium), optical depth, 1 behind a blocker.
 #extension GL_GOOGLE_include_directive : enable
 #include "formulas.glsl"
 #include "frame.glsl"
@@ -21,11 +22,7 @@ layout(location = 0) uniform ivec4 rectangle; // of the tile: x, y, width, heigh
 layout(binding = 2) uniform sampler3D density;
 layout(binding = 3) uniform sampler2D geometry; // of the opaque surfaces: w distance, 0 none
 layout(binding = 4) uniform sampler2D boundary; // w distance, negative: back face, 0 none
-#ifdef AL_CHROMATIC
-layout(binding = 0, rg32f) writeonly uniform image2DArray knots;
-#else
-layout(binding = 0, r32f) writeonly uniform image2DArray knots;
-#endif
+layout(binding = 0, rgba32f) writeonly uniform image2DArray knots;
 layout(binding = 1, rgba32f) writeonly uniform image2D ends;
 
 // Where exp(-tau) is below 1e-17 of every channel, nothing is left.
@@ -51,9 +48,12 @@ vec2 texel_at(March m, float t)
     return textureLod(density, m.origin + m.step * t, 0.0).rg;
 }
 
-void store(ivec2 place, int k, float t, float tau)
+void store(ivec2 place, int layer, vec4 group, vec4 depths)
 {
-    imageStore(knots, ivec3(place, k), vec4(t, tau, 0.0, 0.0));
+    imageStore(knots, ivec3(place, layer), group);
+#ifdef AL_CHROMATIC
+    imageStore(knots, ivec3(place, layer + (sizes.y + 1) / 4), depths);
+#endif
 }
 
 // The optical depth at which the depletion is `wanted`, from `tau` below it: Newton's method approaches the
@@ -127,8 +127,8 @@ void main()
 
     int last = sizes.y - 1, k = 1;
     float total = reference_depletion(tau), before = 0.0, after = 0.0, knot_tau = 0.0, cell = t_start;
+    vec4 group = vec4(t_start), depths = vec4(0.0);
     float joined = start > entry ? start + 1.5 * box_min.w : 0.0;
-    store(place, 0, t_start, 0.0);
     for (int i = from; i < to && k < last; i++) {
         float a = max(m.first + float(i) * m.size, entry), b = min(m.first + float(i + 1) * m.size, leave);
         after += texel_at(m, 0.5 * (a + b)).r * march.x * max(b - a, 0.0);
@@ -137,12 +137,17 @@ void main()
         for (; k < last && gone >= total * float(k) / float(last); k++) {
             knot_tau = depth_of(total * float(k) / float(last), max(before, knot_tau));
             float inside = clamp((knot_tau - before) / max(after - before, 1e-30), 0.0, 1.0);
-            store(place, k, clamp(mix(cell, b, inside), t_start, t_end), knot_tau);
+            group[(k - 1) & 3] = clamp(mix(cell, b, inside), t_start, t_end);
+            depths[(k - 1) & 3] = knot_tau;
+            if ((k & 3) == 0) store(place, k / 4 - 1, group, depths);
         }
         before = after;
         cell = max(b, t_start);
     }
-    for (; k < last; k++) store(place, k, t_end, tau);
-    store(place, last, t_end, tau);
+    for (; k <= (last + 2) / 4 * 4; k++) { // rounding left some unplaced, or the last layer is not full
+        group[(k - 1) & 3] = k < last ? t_end : group[(k - 2) & 3];
+        depths[(k - 1) & 3] = k < last ? tau : depths[(k - 2) & 3];
+        if ((k & 3) == 0) store(place, k / 4 - 1, group, depths);
+    }
     imageStore(ends, place, vec4(t_start, t_end, tau, blocked));
 }

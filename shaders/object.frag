@@ -60,8 +60,7 @@ void main()
     case 5: // intervals
         kept = vec4(end.x < end.y ? 0.0 : 1.0);
         if (end.x < end.y)
-            added.rgb = vec3(texelFetch(knots, ivec3(place, 0), 0).r, texelFetch(knots, ivec3(place, 1), 0).r,
-                             texelFetch(knots, ivec3(place, 2), 0).r);
+            added.rgb = vec3(end.x, texelFetch(knots, ivec3(place, 0), 0).xy);
         break;
     default: // unity
         kept = vec4(end.x < end.y ? 0.0 : 1.0);

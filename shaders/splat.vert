@@ -10,7 +10,7 @@ layout(std430, binding = 1) readonly buffer Gaussians { vec4 gaussians[]; };
 layout(std430, binding = 4) readonly buffer Lit { vec4 lit[]; };
 
 flat out vec3 center; // object space, m
-flat out vec4 shape;  // a in 1/m^2, radius squared, sqrt(a), weight / sqrt(a)
+flat out vec4 shape;  // a in 1/m^2, radius squared, sqrt(a), weight
 flat out vec3 light;
 
 // Bounds along one screen axis. The planes x = s w that touch the ball of radius R about c fulfil
@@ -33,7 +33,7 @@ void main()
     vec4 gaussian = gaussians[index];
     center = vec3(positions[3 * index], positions[3 * index + 1], positions[3 * index + 2]);
     float a = gaussian.x * prefix.x, radius = gaussian.z * prefix.y;
-    shape = vec4(a, radius * radius, sqrt(a), gaussian.y * inversesqrt(a));
+    shape = vec4(a, radius * radius, sqrt(a), gaussian.y);
     light = lit[index].rgb;
 
     mat4 rows = transpose(view_projection * object_to_world);

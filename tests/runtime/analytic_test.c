@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "../test.h"
 #include "airlight/runtime.h"
@@ -22,7 +23,7 @@ int main(int argc, char **argv)
     sphere_scene_add(&s, "a.air", 1, (float[3]){0, 0, 0});
     sphere_scene_add_light(&s, AL_LIGHT_DIRECTIONAL, (float[3]){0, 0, -1}, 1);
     sphere_scene_write(folder, &s);
-    al_status st = al_runtime_create(NULL, &runtime, &error);
+    al_status st = al_runtime_create(&(al_runtime_options){getenv("AL_SHADERS")}, &runtime, &error);
     if (st) { printf("%s\n", error.message); return 1; }
     if (!stage_load(runtime, folder)) return 1;
     uint32_t w = argc > 3 ? (uint32_t)atoi(argv[3]) : 200;
@@ -31,8 +32,8 @@ int main(int argc, char **argv)
     if (argc > 4) settings.view_leg = (al_view_leg)atoi(argv[4]);
     if (argc > 5) settings.pass = (al_pass)atoi(argv[5]);
     for (int i = 0; i < 5; i++) {
-        float *p = stage_draw(runtime, &view, &settings, 0);
-        if (!p) return 1;
+        clock_t c0 = clock(); float *p = stage_draw(runtime, &view, &settings, 0);
+        if (!p) return 1; printf("cpu %.1f ms ", 1e3*(clock()-c0)/CLOCKS_PER_SEC);
         al_pass_time times[8];
         uint32_t n = al_runtime_times(runtime, times, 8);
         for (uint32_t k = 0; k < n; k++) printf("%s %.2f  ", times[k].name, times[k].ms);
