@@ -411,21 +411,15 @@ static al_status add_geometry(mesh_import *job, const struct aiNode *root, al_er
 
 /* --- lights and cameras --- */
 
-static void direction_in_world(const double m[16], const struct aiVector3D *local, float out[3])
-{
-    double v[3], length = 0;
-    for (int i = 0; i < 3; i++) {
-        v[i] = m[i] * local->x + m[4 + i] * local->y + m[8 + i] * local->z;
-        length += v[i] * v[i];
-    }
-    for (int i = 0; i < 3; i++) out[i] = length > 0 ? (float)(v[i] / sqrt(length)) : i == 2 ? -1.0f : 0;
-}
+/* Of the supported formats only glTF has them: in their node's space, at its origin, looking or shining along
+ * -z with +y up. (What assimp says of their places is the node's translation a second time, now and then.) */
 
-static void point_in_world(const double m[16], const struct aiVector3D *local, float out[3])
+/* The unit vector that a local axis becomes; `axis` 1 or 2, for +y or -z. */
+static void axis_in_world(const double m[16], int axis, float out[3])
 {
-    double p[3] = {local->x, local->y, local->z};
-    al_matrix_point(m, p, p);
-    for (int i = 0; i < 3; i++) out[i] = (float)p[i];
+    const double *v = m + axis * 4;
+    double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), sign = axis == 2 ? -1 : 1;
+    for (int i = 0; i < 3; i++) out[i] = length > 0 ? (float)(sign * v[i] / length) : (float)sign * (i == axis);
 }
 
 static al_status add_light(mesh_import *job, const struct aiLight *from, const struct aiNode *node, al_error *error)
@@ -441,10 +435,10 @@ static al_status add_light(mesh_import *job, const struct aiLight *from, const s
     if (!light->name) return out_of_memory(job, error);
     node_to_world(job, node, world);
     light->type = from->mType == aiLightSource_POINT ? AL_LIGHT_POINT : AL_LIGHT_DIRECTIONAL;
-    if (light->type == AL_LIGHT_POINT) point_in_world(world, &from->mPosition, light->vector);
-    else direction_in_world(world, &from->mDirection, light->vector);
+    axis_in_world(world, 2, light->vector);
     const float color[3] = {from->mColorDiffuse.r, from->mColorDiffuse.g, from->mColorDiffuse.b};
     for (int i = 0; i < 3; i++) {
+        if (light->type == AL_LIGHT_POINT) light->vector[i] = (float)world[12 + i];
         light->intensity[i] = color[i];
         if (!(color[i] >= 0) || !isfinite(color[i]))
             return al_fail(error, AL_BAD_INPUT, "%s: light \"%s\" has the intensity %g; 0 or more is right",
@@ -455,24 +449,26 @@ static al_status add_light(mesh_import *job, const struct aiLight *from, const s
 
 static al_status add_camera(mesh_import *job, uint32_t index, const struct aiNode *node, al_error *error)
 {
-    const struct aiCamera *from = job->file->mCameras[index];
+    const char *name = job->file->mCameras[index]->mName.data;
     al_scene *scene = &job->import->scene;
     double world[16];
     al_camera *camera = al_scene_append(scene, &scene->cameras, &scene->camera_count, sizeof *camera);
     if (!camera) return out_of_memory(job, error);
-    camera->name = al_scene_text(scene, from->mName.data);
+    camera->name = al_scene_text(scene, name);
     if (!camera->name) return out_of_memory(job, error);
     node_to_world(job, node, world);
     float forward[3];
-    point_in_world(world, &from->mPosition, camera->position);
-    direction_in_world(world, &from->mLookAt, forward);
-    direction_in_world(world, &from->mUp, camera->up);
-    for (int i = 0; i < 3; i++) camera->target[i] = camera->position[i] + forward[i];
+    axis_in_world(world, 2, forward);
+    axis_in_world(world, 1, camera->up);
+    for (int i = 0; i < 3; i++) {
+        camera->position[i] = (float)world[12 + i];
+        camera->target[i] = camera->position[i] + forward[i];
+    }
     camera->fov_y_radians = index < job->extras.camera_count ? job->extras.fov_y_radians[index] : 0;
     if (!(camera->fov_y_radians > 1e-4f && camera->fov_y_radians < 3.13f))
         return al_fail(error, AL_BAD_INPUT, "%s: camera \"%s\" has a field of view of %g radians; a perspective camera "
-                                            "is right, or \"import_cameras\": false", job->use->name,
-                       from->mName.data, camera->fov_y_radians);
+                                            "is right, or \"import_cameras\": false", job->use->name, name,
+                       camera->fov_y_radians);
     return AL_OK;
 }
 
