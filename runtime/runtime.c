@@ -168,6 +168,7 @@ al_scene *al_runtime_scene(al_runtime *runtime)
 uint32_t al_runtime_times(al_runtime *runtime, al_pass_time *times, uint32_t limit)
 {
     uint32_t count = 0;
+    al_timing_collect(&runtime->timing);
     for (int stage = 0; stage < AL_STAGE_COUNT && count < limit; stage++)
         if (runtime->timing.runs[stage])
             times[count++] = (al_pass_time){al_stage_name((al_stage)stage), runtime->timing.ms[stage]};

@@ -27,12 +27,17 @@ static bool collect(al_timing *timing, al_timing_frame *frame)
     return true;
 }
 
-void al_timing_begin_frame(al_timing *timing)
+void al_timing_collect(al_timing *timing)
 {
     for (uint32_t i = 1; i <= AL_TIMING_RING; i++) { /* oldest first */
         al_timing_frame *frame = &timing->ring[(timing->current + i) % AL_TIMING_RING];
         if (frame->pending && !collect(timing, frame)) break;
     }
+}
+
+void al_timing_begin_frame(al_timing *timing)
+{
+    al_timing_collect(timing);
     timing->current = (timing->current + 1) % AL_TIMING_RING;
     timing->active = !timing->ring[timing->current].pending;
     if (timing->active) timing->ring[timing->current].count = 0;

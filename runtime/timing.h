@@ -37,6 +37,8 @@ typedef struct al_timing {
 } al_timing;
 
 const char *al_stage_name(al_stage stage);
+/* Takes over the frames whose queries have come back; never waits. */
+void al_timing_collect(al_timing *timing);
 void al_timing_begin_frame(al_timing *timing);
 void al_timing_end_frame(al_timing *timing);
 void al_timing_begin(al_timing *timing, al_stage stage);
