@@ -136,7 +136,7 @@ static void check_entry(const al_file *file, size_t index, const uint8_t *entry,
                           index, c->type, c->raw_size, c->size);
 }
 
-/* True when the chunk lies where it must; `expected` moves behind it. */
+/* True when the chunk lies where it must; `expected` moves behind it where it lies. */
 static bool check_place(const al_file *file, size_t index, uint64_t *expected, al_report *report)
 {
     const al_chunk *c = &file->chunks[index];
@@ -146,15 +146,13 @@ static bool check_place(const al_file *file, size_t index, uint64_t *expected, a
                           index, c->type, c->size, c->offset, file->table_offset);
         return false;
     }
-    if (c->offset != *expected) {
-        bool overlap = c->offset < *expected;
+    bool good = c->offset == *expected, overlap = c->offset < *expected;
+    if (!good)
         al_report_finding(report, overlap ? AL_RULE_CHUNK_OVERLAP : AL_RULE_CHUNK_GAP,
                           "chunk %zu (%s): begins at offset %" PRIu64 " instead of %" PRIu64 ", %s", index, c->type, c->offset, *expected,
                           overlap ? "inside the one before" : "which leaves a gap");
-        return false;
-    }
-    *expected += al_padded(c->size);
-    return true;
+    *expected = c->offset + al_padded(c->size);
+    return good;
 }
 
 static void check_types(const al_file *file, const al_kind_rules *kind, al_report *report)

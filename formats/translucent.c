@@ -103,7 +103,16 @@ static void check_info(const al_translucent_info *info, al_report *report)
                               (double)info->bounds_min_m[i], i, (double)info->bounds_max_m[i]);
 }
 
-/* True when the info can be relied on for sizes. */
+static void check_page_count(const al_file *file, const al_translucent_info *info, al_report *report)
+{
+    uint32_t expected = al_translucent_page_count(info), found = 0;
+    for (size_t i = 0; i < al_file_chunk_count(file); i++) found += !memcmp(al_file_chunk(file, i)->type, "PAGE", 4);
+    if (found != expected)
+        al_report_finding(report, AL_RULE_TRANSLUCENT_PAGES, "%" PRIu32 " samples in pages of %" PRIu32 " fill %" PRIu32 " pages, there are %" PRIu32,
+                          info->sample_count, info->page_size, expected, found);
+}
+
+/* True when sizes and the number of pages can be relied on. */
 static bool read_info(const al_file *file, al_translucent_info *info, al_report *report)
 {
     const void *data;
@@ -119,6 +128,7 @@ static bool read_info(const al_file *file, al_translucent_info *info, al_report 
     uint64_t before = report->count;
     al_record_decode(&info_record, data, 1, "", 1, info, report);
     check_info(info, report);
+    if (report->count == before) check_page_count(file, info, report);
     return report->count == before;
 }
 
@@ -238,10 +248,8 @@ al_status al_translucent_read_page(const al_file *file, const al_translucent_inf
     *page = (al_translucent_page){0};
     ptrdiff_t chunk = al_file_find(file, "PAGE", index);
     al_report report = {.name = al_file_name(file), .error = error};
-    if (chunk < 0)
-        al_report_finding(&report, AL_RULE_TRANSLUCENT_PAGES, "page %" PRIu32 " of %" PRIu32 " is missing", index, al_translucent_page_count(info));
-    else
-        read_page(file, info, index, (size_t)chunk, page, &report);
+    assert(chunk >= 0); /* al_translucent_read has counted the pages */
+    read_page(file, info, index, (size_t)chunk, page, &report);
     if (report.status != AL_OK) *page = (al_translucent_page){0};
     return report.status;
 }
@@ -282,16 +290,10 @@ al_status al_translucent_read_grid(const al_file *file, const al_translucent_inf
 
 static void check_pages(const al_file *file, const al_translucent_info *info, al_report *report)
 {
-    uint32_t expected = al_translucent_page_count(info), found = 0;
+    uint32_t index = 0;
     al_translucent_page page;
-    for (size_t i = 0; i < al_file_chunk_count(file); i++) {
-        if (memcmp(al_file_chunk(file, i)->type, "PAGE", 4)) continue;
-        if (found < expected) read_page(file, info, found, i, &page, report);
-        found++;
-    }
-    if (found != expected)
-        al_report_finding(report, AL_RULE_TRANSLUCENT_PAGES, "%" PRIu32 " samples in pages of %" PRIu32 " fill %" PRIu32 " pages, there are %" PRIu32,
-                          info->sample_count, info->page_size, expected, found);
+    for (size_t i = 0; i < al_file_chunk_count(file); i++)
+        if (!memcmp(al_file_chunk(file, i)->type, "PAGE", 4)) read_page(file, info, index++, i, &page, report);
 }
 
 static void check_translucent(const al_file *file, al_report *report)

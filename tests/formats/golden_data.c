@@ -1,0 +1,83 @@
+#include "golden_data.h"
+
+#include <string.h>
+
+void golden_fill_translucent(al_coefficient_format format, golden_translucent *golden)
+{
+    static const uint32_t samples[] = {1, 4, 5}, pages[] = {1, 4, 2}, orders[] = {1, 3, 2}, channels[] = {1, 1, 3};
+    al_translucent_info info = {.sample_count = samples[format], .page_size = pages[format], .order = orders[format],
+                                .channel_count = channels[format], .format = format, .direction_count = 128,
+                                .grid_size = {3, 2, 2}, .grid_origin_m = {-0.75f, -0.5f, -0.25f}, .voxel_m = 0.5f, .density_max = 2,
+                                .sigma_s_per_m = {1, 2, 4}, .sigma_a_per_m = {0.5f, 0.25f, 0.125f}, .g = -0.25f, .ior = 1.5f,
+                                .bounds_min_m = {-0.5f, -0.375f, -0.125f}, .bounds_max_m = {0.5f, 0.375f, 0.625f}, .volume_m3 = 0.5,
+                                .radius_m = 0.0625, .rho_quantile = 3, .unity_mean = 0.9375f, .unity_deviation = 0.0625f,
+                                .unity_worst = 0.5f};
+    uint32_t set = info.order * info.order;
+    memset(golden, 0, sizeof *golden);
+    for (uint32_t i = 0; i < info.sample_count; i++) {
+        float *b = golden->positions + 3 * i, *g = golden->gaussians + 4 * i;
+        b[0] = -0.25f + 0.125f * (float)i;
+        b[1] = 0.125f - 0.0625f * (float)i;
+        b[2] = 0.03125f * (float)i;
+        g[0] = 64 + (float)i;
+        g[1] = 1 - 0.125f * (float)i;
+        g[2] = 0.25f + 0.03125f * (float)i;
+        g[3] = 2 - 0.25f * (float)i;
+        for (uint32_t k = 0; k < info.channel_count * set; k++)
+            golden->coefficients[i * info.channel_count * set + k] = k % set == 0 ? 2.5f - 0.125f * (float)i : 0.375f / (float)(k + 1) * (k % 2 ? 1 : -1);
+    }
+    for (int v = 0; v < 12; v++) {
+        golden->density[v] = (uint16_t)(65535 - 5000 * v);
+        golden->blockers[v] = (uint8_t)(20 * v);
+    }
+    golden->data = (al_translucent_data){info, golden->positions, golden->gaussians, golden->coefficients, golden->density,
+                                         format == AL_COEFFICIENT_BYTE ? golden->blockers : NULL,
+                                         format == AL_COEFFICIENT_FLOAT ? NULL : "{\"key\":\"0123456789abcdef\",\"seed\":7}"};
+}
+
+/* --- scene --- */
+
+static float quad_positions[] = {-1, 0, -1, -1, 0, 1, 1, 0, 1, 1, 0, -1};
+static float quad_normals[] = {0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0};
+static float quad_uv0[] = {0, 0, 0, 1, 1, 1, 1, 0};
+static float quad_uv1[] = {0.25f, 0.25f, 0.25f, 0.75f, 0.75f, 0.75f, 0.75f, 0.25f};
+static uint32_t quad_indices[] = {0, 1, 2, 0, 2, 3};
+static al_submesh quad_submeshes[] = {{0, 3, 0}, {3, 3, 1}};
+
+static float solid_positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+static float solid_normals[] = {-0.6f, -0.8f, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+static uint32_t solid_indices[] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+static al_submesh solid_submeshes[] = {{0, 12, 1}};
+
+static uint8_t pixels[] = {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 128};
+static float sky[] = {0.5f, 0.75f, 1, 0.25f, 0.25f, 0.25f};
+
+static al_texture textures[] = {{"checker", 2, 2, true, pixels}};
+static al_material materials[] = {
+    {"ground", {0.5f, 0.25f, 0.125f}, 0, 0.75f, {0, 0, 0}, 1.5f, true, 0, AL_NO_INDEX, AL_NO_INDEX, AL_NO_INDEX},
+    {"wax", {1, 1, 1}, 0.25f, 0.5f, {0, 2, 0}, 1.25f, false, AL_NO_INDEX, 0, AL_NO_INDEX, AL_NO_INDEX},
+};
+static al_mesh meshes[] = {
+    {"quad", 4, 6, 2, quad_positions, quad_normals, quad_uv0, quad_uv1, quad_indices, quad_submeshes},
+    {"solid", 4, 12, 1, solid_positions, solid_normals, NULL, NULL, solid_indices, solid_submeshes},
+};
+static al_instance instances[] = {
+    {"floor", 0, AL_ROLE_OPAQUE, AL_NO_INDEX, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -1, 0, 1}},
+    {"candle", 1, AL_ROLE_TRANSLUCENT, 0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}},
+    {"wick", 1, AL_ROLE_BLOCKER, 0, {0.25f, 0, 0, 0, 0, 0.25f, 0, 0, 0, 0, 0.25f, 0, 0.125f, 0.125f, 0.125f, 1}},
+};
+static al_medium media[] = {{"wax", {8, 6, 4}, {0.25f, 0.5f, 1}, 0.5f}};
+static al_translucent_object translucents[] = {{"candle", 1, 0, "candle.translucent.air"}};
+static al_light lights[] = {
+    {"sun", AL_LIGHT_DIRECTIONAL, {0, -0.6f, -0.8f}, {3, 2.5f, 2}},
+    {"lamp", AL_LIGHT_POINT, {1, 2, 3}, {10, 20, 30}},
+};
+static al_camera cameras[] = {{"main", {2, 1.5f, 3}, {0, 0.25f, 0}, {0, 1, 0}, 0.75f}};
+
+void golden_fill_scene(al_scene *scene)
+{
+    *scene = (al_scene){1, 2, 2, 3, 1, 1, 2, 1, textures, materials, meshes, instances, media, translucents, lights, cameras,
+                        {.width = 2, .height = 1, .pixels = sky}, {0.5f, {0.125f, 0.25f, 0.5f}}, NULL};
+    for (int c = 0; c < 3; c++)
+        for (int i = 0; i < AL_ENVIRONMENT_ORDER * AL_ENVIRONMENT_ORDER; i++) scene->environment.sh[c][i] = (float)(c + 1) / (float)(i + 1);
+}

@@ -1,0 +1,157 @@
+#include "refusals.h"
+
+#define BYTE "translucent_byte_1_0"
+#define HALF "translucent_half_1_0"
+#define FLOAT "translucent_float_1_0"
+#define SCENE "scene_1_0"
+
+#define HEADER(at, count, value) {CHANGE_HEADER, "", 0, at, count, value}
+#define ENTRY(type, index, at, count, value) {CHANGE_ENTRY, type, index, at, count, value}
+#define CHUNK(type, index, at, count, value) {CHANGE_CHUNK, type, index, at, count, value}
+#define SIZE(value) {CHANGE_SIZE, "", 0, 0, 0, value}
+#define EMPTY(type, index) {CHANGE_EMPTY, type, index, 0, 0, 0}
+#define TEXT(a, b, c, d) ((uint64_t)(a) | (uint64_t)(b) << 8 | (uint64_t)(c) << 16 | (uint64_t)(d) << 24)
+#define HIDE(type, index) ENTRY(type, index, 8, 4, 1), ENTRY(type, index, 0, 4, TEXT('N', 'E', 'W', '1')) /* becomes optional and unknown */
+#define RESIZE(type, index, size) ENTRY(type, index, 24, 8, size), ENTRY(type, index, 32, 8, size)
+#define NAN_BITS 0x7fc00000
+#define MINUS_ONE 0xbf800000
+
+const refusal refusals[] = {
+    {0, "accept_newer_minor", BYTE, SEAL_ALL, {HEADER(10, 2, 7), HEADER(104, 4, 1), ENTRY("PROV", 0, 0, 4, TEXT('N', 'E', 'W', '1')), ENTRY("INFO", 0, 8, 4, 0x80000000)}},
+    {0, "accept_newer_optional_chunk_version", BYTE, SEAL_ALL, {ENTRY("PROV", 0, 4, 2, 2)}},
+
+    {101, "cut_below_header", FLOAT, SEAL_NOTHING, {SIZE(127)}},
+    {101, "empty_file", FLOAT, SEAL_NOTHING, {SIZE(0)}},
+    {102, "wrong_magic", FLOAT, SEAL_ALL, {HEADER(4, 1, '\n')}},
+    {103, "newer_major", FLOAT, SEAL_ALL, {HEADER(8, 2, 2)}},
+    {103, "major_zero", FLOAT, SEAL_ALL, {HEADER(8, 2, 0)}},
+    {104, "cut_off", FLOAT, SEAL_NOTHING, {SIZE(512)}},
+    {105, "table_not_at_end", FLOAT, SEAL_ALL, {HEADER(32, 4, 2)}},
+    {106, "header_checksum", FLOAT, SEAL_NOTHING, {HEADER(40, 1, 'b')}},
+    {107, "unknown_kind", FLOAT, SEAL_ALL, {HEADER(12, 4, 99)}},
+    {108, "reserved_header_byte", FLOAT, SEAL_ALL, {HEADER(119, 1, 1)}},
+    {108, "reserved_entry_byte", FLOAT, SEAL_ALL, {ENTRY("GRID", 0, 15, 1, 1)}},
+    {109, "writer_not_text", FLOAT, SEAL_ALL, {HEADER(44, 1, 7)}},
+    {109, "writer_empty", FLOAT, SEAL_ALL, {HEADER(40, 8, 0), HEADER(48, 8, 0), HEADER(56, 8, 0), HEADER(64, 8, 0)}},
+    {110, "chunk_type_lower_case", BYTE, SEAL_ALL, {ENTRY("PROV", 0, 3, 1, 'v')}},
+    {111, "chunk_reaches_table", FLOAT, SEAL_ALL, {RESIZE("PAGE", 0, 1 << 20)}},
+    {111, "chunk_size_overflows", FLOAT, SEAL_ALL, {RESIZE("PAGE", 0, UINT64_MAX)}},
+    {112, "chunks_overlap", FLOAT, SEAL_ALL, {ENTRY("GRID", 0, 16, 8, 128)}},
+    {113, "gap_between_chunks", FLOAT, SEAL_ALL, {RESIZE("INFO", 0, 128)}},
+    {114, "unknown_flag", FLOAT, SEAL_ALL, {ENTRY("INFO", 0, 8, 4, 2)}},
+    {115, "raw_size", FLOAT, SEAL_ALL, {ENTRY("GRID", 0, 32, 8, 25)}},
+    {116, "chunk_checksum", FLOAT, SEAL_NOTHING, {CHUNK("GRID", 0, 0, 1, 0)}},
+    {117, "padding_not_zero", FLOAT, SEAL_ALL, {CHUNK("GRID", 0, 63, 1, 1)}},
+    {118, "unknown_required_chunk", BYTE, SEAL_ALL, {ENTRY("PROV", 0, 8, 4, 0), ENTRY("PROV", 0, 0, 4, TEXT('N', 'E', 'W', '1'))}},
+    {119, "newer_chunk_version", FLOAT, SEAL_ALL, {ENTRY("INFO", 0, 4, 2, 2)}},
+    {120, "grid_missing", FLOAT, SEAL_ALL, {HIDE("GRID", 0)}},
+    {120, "two_infos", FLOAT, SEAL_ALL, {ENTRY("GRID", 0, 0, 4, TEXT('I', 'N', 'F', 'O'))}},
+    {130, "info_too_short", FLOAT, SEAL_ALL, {RESIZE("INFO", 0, 144), CHUNK("INFO", 0, 144, 4, 0)}},
+    {130, "materials_too_short", SCENE, SEAL_ALL, {RESIZE("MATL", 0, 116), CHUNK("MATL", 0, 116, 4, 0)}},
+    {131, "info_not_finite", FLOAT, SEAL_ALL, {CHUNK("INFO", 0, 80, 4, NAN_BITS)}},
+    {131, "position_not_finite", BYTE, SEAL_ALL, {CHUNK("PAGE", 1, 8, 4, NAN_BITS)}},
+    {131, "half_not_finite", HALF, SEAL_ALL, {CHUNK("PAGE", 0, 128, 2, 0xfc00)}},
+    {131, "float_not_finite", FLOAT, SEAL_ALL, {CHUNK("PAGE", 0, 128, 4, NAN_BITS)}},
+    {131, "environment_not_finite", SCENE, SEAL_ALL, {CHUNK("ENVM", 0, 8, 4, NAN_BITS)}},
+    {131, "vertex_not_finite", SCENE, SEAL_ALL, {CHUNK("GEOM", 1, 16, 4, NAN_BITS)}},
+    {132, "order_too_high", FLOAT, SEAL_ALL, {CHUNK("INFO", 0, 8, 4, 9)}},
+    {132, "order_zero", FLOAT, SEAL_ALL, {CHUNK("INFO", 0, 8, 4, 0)}},
+    {132, "page_size_zero", FLOAT, SEAL_ALL, {CHUNK("INFO", 0, 4, 4, 0)}},
+    {132, "negative_scattering", FLOAT, SEAL_ALL, {CHUNK("INFO", 0, 60, 4, MINUS_ONE)}},
+    {132, "g_of_one", FLOAT, SEAL_ALL, {CHUNK("INFO", 0, 84, 4, 0x3f800000)}},
+    {132, "roughness_above_one", SCENE, SEAL_ALL, {CHUNK("MATL", 0, 20, 4, 0x40000000)}},
+    {132, "flag_of_two", SCENE, SEAL_ALL, {CHUNK("TEXR", 0, 12, 4, 2)}},
+    {132, "environment_negative", SCENE, SEAL_ALL, {CHUNK("ENVM", 0, 8, 4, MINUS_ONE)}},
+    {133, "text_outside", SCENE, SEAL_ALL, {CHUNK("LITE", 0, 0, 4, 100000)}},
+    {133, "text_not_terminated", SCENE, SEAL_ALL, {CHUNK("TEXT", 0, 96, 1, 'x')}},
+    {134, "provenance_no_object", HALF, SEAL_ALL, {CHUNK("PROV", 0, 0, 1, '[')}},
+
+    {201, "two_channels", FLOAT, SEAL_ALL, {CHUNK("INFO", 0, 12, 4, 2)}},
+    {202, "odd_directions", FLOAT, SEAL_ALL, {CHUNK("INFO", 0, 20, 4, 127)}},
+    {203, "bounds_inside_out", FLOAT, SEAL_ALL, {CHUNK("INFO", 0, 92, 4, 0x40000000)}},
+    {204, "page_missing", BYTE, SEAL_ALL, {HIDE("PAGE", 2)}},
+    {204, "page_too_many", HALF, SEAL_ALL, {ENTRY("PROV", 0, 0, 4, TEXT('P', 'A', 'G', 'E'))}},
+    {205, "page_too_short", FLOAT, SEAL_ALL, {RESIZE("PAGE", 0, 130), CHUNK("PAGE", 0, 130, 2, 0)}},
+    {206, "gap_inside_page", FLOAT, SEAL_ALL, {CHUNK("PAGE", 0, 63, 1, 1)}},
+    {207, "sample_outside", FLOAT, SEAL_ALL, {CHUNK("PAGE", 0, 0, 4, 0x42c80000)}},
+    {208, "radius_zero", FLOAT, SEAL_ALL, {CHUNK("PAGE", 0, 72, 4, 0)}},
+    {208, "weight_negative", FLOAT, SEAL_ALL, {CHUNK("PAGE", 0, 68, 4, MINUS_ONE)}},
+    {209, "scale_negative", BYTE, SEAL_ALL, {CHUNK("PAGE", 0, 128, 4, MINUS_ONE)}},
+    {210, "byte_of_minus_128", BYTE, SEAL_ALL, {CHUNK("PAGE", 0, 195, 1, 0x80)}},
+    {211, "grid_too_short", FLOAT, SEAL_ALL, {RESIZE("GRID", 0, 22), CHUNK("GRID", 0, 22, 2, 0)}},
+    {212, "blockers_missing", BYTE, SEAL_ALL, {HIDE("BLOK", 0)}},
+    {212, "blockers_too_short", BYTE, SEAL_ALL, {RESIZE("BLOK", 0, 11), CHUNK("BLOK", 0, 11, 1, 0)}},
+
+    {301, "geometry_missing", SCENE, SEAL_ALL, {HIDE("GEOM", 1)}},
+    {302, "geometry_too_short", SCENE, SEAL_ALL, {RESIZE("GEOM", 1, 172), CHUNK("GEOM", 1, 172, 4, 0)}},
+    {303, "pixels_missing", SCENE, SEAL_ALL, {HIDE("PIXL", 0)}},
+    {304, "pixels_too_short", SCENE, SEAL_ALL, {RESIZE("PIXL", 0, 12), CHUNK("PIXL", 0, 12, 4, 0)}},
+    {305, "index_outside", SCENE, SEAL_ALL, {CHUNK("GEOM", 1, 128, 4, 4)}},
+    {305, "material_outside", SCENE, SEAL_ALL, {CHUNK("SUBM", 0, 8, 4, 2)}},
+    {305, "texture_outside", SCENE, SEAL_ALL, {CHUNK("MATL", 0, 44, 4, 1)}},
+    {305, "mesh_outside", SCENE, SEAL_ALL, {CHUNK("INST", 0, 4, 4, 2)}},
+    {306, "index_left_over", SCENE, SEAL_ALL, {CHUNK("MESH", 0, 32, 4, 11), CHUNK("SUBM", 0, 28, 4, 9), RESIZE("GEOM", 1, 172), CHUNK("GEOM", 1, 172, 4, 0)}},
+    {307, "submesh_outside", SCENE, SEAL_ALL, {CHUNK("SUBM", 0, 12, 4, 6)}},
+    {308, "normal_not_unit", SCENE, SEAL_ALL, {CHUNK("GEOM", 0, 68, 4, 0x3f000000)}},
+    {308, "light_not_unit", SCENE, SEAL_ALL, {CHUNK("LITE", 0, 8, 4, 0x3f800000)}},
+    {309, "role_without_object", SCENE, SEAL_ALL, {CHUNK("INST", 0, 8, 4, 2)}},
+    {310, "boundary_of_other_role", SCENE, SEAL_ALL, {CHUNK("TRAN", 0, 4, 4, 2)}},
+    {311, "matrix_not_affine", SCENE, SEAL_ALL, {CHUNK("INST", 0, 28, 4, 0x3f800000)}},
+    {312, "asset_in_other_folder", SCENE, SEAL_ALL, {CHUNK("TEXT", 0, 70, 1, '/')}},
+    {313, "camera_on_target", SCENE, SEAL_ALL, {CHUNK("CAMR", 0, 16, 4, 0x40000000), CHUNK("CAMR", 0, 20, 4, 0x3fc00000), CHUNK("CAMR", 0, 24, 4, 0x40400000)}},
+    {314, "no_camera", SCENE, SEAL_ALL, {CHUNK("SCEN", 0, 28, 4, 0), EMPTY("CAMR", 0)}},
+    {315, "environment_missing", SCENE, SEAL_ALL, {HIDE("ENVM", 0)}},
+    {316, "gap_inside_geometry", SCENE, SEAL_ALL, {CHUNK("GEOM", 1, 63, 1, 1)}},
+};
+
+const size_t refusal_count = sizeof refusals / sizeof *refusals;
+
+/* Takes the chunk's bytes out of the file; what follows moves up. */
+static bool empty_chunk(const change *c, forged *f)
+{
+    size_t count, table = forge_table(*f, &count);
+    uint8_t *entry = forge_entry(*f, c->type, c->index);
+    if (!entry) return false;
+    size_t offset = (size_t)forge_get(entry + 16, 8), size = ((size_t)forge_get(entry + 24, 8) + 63) / 64 * 64;
+    forge_put(entry + 24, 0, 8);
+    forge_put(entry + 32, 0, 8);
+    for (size_t i = 0; i < count; i++) {
+        uint8_t *other = f->data + table + 48 * i;
+        if (other > entry) forge_put(other + 16, forge_get(other + 16, 8) - size, 8);
+    }
+    forge_put(f->data + 16, f->size - size, 8);
+    forge_put(f->data + 24, table - size, 8);
+    memmove(f->data + offset, f->data + offset + size, f->size - offset - size);
+    f->size -= size;
+    return true;
+}
+
+static bool apply(const change *c, forged *f)
+{
+    uint8_t *place = c->target == CHANGE_HEADER  ? f->data
+                     : c->target == CHANGE_ENTRY ? forge_entry(*f, c->type, c->index)
+                     : c->target == CHANGE_CHUNK ? forge_chunk(*f, c->type, c->index)
+                                                 : NULL;
+    if (c->target == CHANGE_NONE) return true;
+    if (c->target == CHANGE_EMPTY) return empty_chunk(c, f);
+    if (c->target == CHANGE_SIZE) {
+        bool good = c->value <= f->size;
+        f->size = (size_t)c->value;
+        return good;
+    }
+    if (!place || c->at + c->count > (size_t)(f->data + f->size - place)) return false;
+    forge_put(place + c->at, c->value, c->count);
+    return true;
+}
+
+forged refusal_make(const refusal *r, forged base)
+{
+    forged f = forge_copy(base);
+    for (int i = 0; i < REFUSAL_CHANGES; i++)
+        if (!apply(&r->changes[i], &f)) {
+            free(f.data);
+            return (forged){0};
+        }
+    if (r->seal == SEAL_ALL) forge_seal(f);
+    return f;
+}
