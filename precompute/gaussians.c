@@ -138,6 +138,15 @@ static void draw_points(blend *b, const al_candidates *candidates, uint64_t firs
     }
 }
 
+/* Least squares shrinks a sum that it cannot make flat; one common factor puts its mean back to 1. */
+static void centre_sum(blend *b, unsigned threads)
+{
+    double sum = 0;
+    sum_gaussians(b, threads);
+    for (uint32_t i = 0; i < b->point_count; i++) sum += b->sums[i];
+    for (uint32_t i = 0; sum > 0 && i < b->samples->count; i++) b->samples->gaussians[4 * (size_t)i + 1] *= (float)(b->point_count / sum);
+}
+
 static void measure_unity(blend *b)
 {
     double sum = 0, squares = 0, worst = 0;
@@ -190,6 +199,7 @@ al_status al_sample_gaussians(const char *name, const al_grid *grid, const al_in
         if (al_progress_update(progress, n, ITERATIONS)) status = al_fail(error, AL_CANCELLED, "cancelled");
     }
     if (status != AL_OK) goto cleanup;
+    centre_sum(&b, options->threads);
     al_point_grid_free(&b.by_point);
     status = al_point_grid_create(b.points, b.point_count, low, high, samples->radius_m, &b.by_point, error);
     if (status != AL_OK) goto cleanup;

@@ -122,7 +122,7 @@ static al_status throw_darts(const thrower *t, double radius, al_samples *sample
     samples->distances = malloc(capacity * sizeof *samples->distances);
     if (!samples->positions || !samples->distances) return al_fail(error, AL_IO, "out of memory for samples");
     status = al_point_grid_create(samples->positions, capacity, t->low, t->high, radius, &placed, error);
-    for (uint32_t added = 1, round = 256; status == AL_OK && added > saturation_share * round; ) {
+    for (uint32_t added = 256, round = 256; status == AL_OK && added > saturation_share * round;) {
         added = 0;
         round = samples->count > 256 ? samples->count : 256;
         for (uint32_t n = 0; n < round && status == AL_OK; n++) {
