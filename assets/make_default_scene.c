@@ -1,6 +1,7 @@
 /* Makes the meshes of the default scene: airlight-make-default-scene DIR writes
  *   bear.ply      a jelly bear, watertight: the translucent object's boundary
  *   knot.ply      a trefoil knot that fits into its belly, watertight: the blocker
+ *   face.ply      eyes and nose, half sunk into it
  *   backdrop.ply  floor, cove and wall in one sheet
  * The bytes do not depend on the machine: +, -, *, / and sqrt alone are used, which IEEE 754 rounds exactly. */
 #include <math.h>
@@ -127,14 +128,6 @@ static double ellipsoid(vector p, vector centre, vector radii)
     return length(once) * (length(once) - 1) / steepness;
 }
 
-static double capsule(vector p, vector from, vector to, double radius)
-{
-    vector axis = subtract(to, from), q = subtract(p, from);
-    double t = dot(q, axis) / dot(axis, axis);
-    t = t < 0 ? 0 : t > 1 ? 1 : t;
-    return length(subtract(q, scale(axis, t))) - radius;
-}
-
 /* The smaller of two distances, the edge between them rounded over `width` by a quadratic. */
 static double smooth_min(double a, double b, double width)
 {
@@ -150,8 +143,12 @@ static double bear(vector p)
     d = smooth_min(d, ellipsoid(p, (vector){0, 0.397, 0.012}, (vector){0.108, 0.098, 0.098}), 0.035);
     d = smooth_min(d, ellipsoid(p, (vector){0.082, 0.482, 0}, (vector){0.040, 0.042, 0.030}), 0.020);
     d = smooth_min(d, ellipsoid(p, (vector){0, 0.375, 0.098}, (vector){0.050, 0.038, 0.040}), 0.025);
-    d = smooth_min(d, capsule(p, (vector){0.112, 0.275, 0.040}, (vector){0.088, 0.218, 0.130}, 0.041), 0.025);
-    d = smooth_min(d, capsule(p, (vector){0.082, 0.062, 0.020}, (vector){0.100, 0.050, 0.138}, 0.052), 0.030);
+    double arm = smooth_min(ellipsoid(p, (vector){0.116, 0.268, 0.045}, (vector){0.046, 0.046, 0.046}),
+                            ellipsoid(p, (vector){0.092, 0.218, 0.118}, (vector){0.042, 0.042, 0.044}), 0.060);
+    double leg = smooth_min(ellipsoid(p, (vector){0.080, 0.062, 0.030}, (vector){0.060, 0.060, 0.060}),
+                            ellipsoid(p, (vector){0.102, 0.056, 0.130}, (vector){0.056, 0.060, 0.050}), 0.070);
+    d = smooth_min(d, arm, 0.025);
+    d = smooth_min(d, leg, 0.030);
     d = smooth_min(d, ellipsoid(p, (vector){0, 0.100, -0.112}, (vector){0.036, 0.036, 0.036}), 0.025);
     return -smooth_min(-d, p.y, 0.020);
 }
@@ -336,6 +333,36 @@ static mesh make_knot(void)
     return m;
 }
 
+/* --- the face --- */
+
+static void add_ball(mesh *m, vector centre, double radius)
+{
+    enum { RINGS = 12, AROUND = 24 };
+    uint32_t first = m->vertex_count;
+    for (int ring = 0; ring <= RINGS; ring++)
+        for (int i = 0; i < AROUND; i++) {
+            double polar = PI * ring / RINGS, around = 2 * PI * i / AROUND;
+            vector out = {sine(polar) * sine(around), cosine(polar), sine(polar) * cosine(around)};
+            add_vertex(m, add(centre, scale(out, radius)), out);
+        }
+    for (uint32_t ring = 0; ring < RINGS; ring++)
+        for (uint32_t i = 0; i < AROUND; i++) {
+            uint32_t beside = (i + 1) % AROUND;
+            uint32_t a = first + ring * AROUND + i, b = first + ring * AROUND + beside;
+            if (ring > 0) add_triangle(m, a, b + AROUND, b);
+            if (ring + 1 < RINGS) add_triangle(m, a, a + AROUND, b + AROUND);
+        }
+}
+
+static mesh make_face(void)
+{
+    mesh m = {0};
+    add_ball(&m, (vector){0, 0.391, 0.133}, 0.0135);
+    add_ball(&m, (vector){0.040, 0.424, 0.099}, 0.0125);
+    add_ball(&m, (vector){-0.040, 0.424, 0.099}, 0.0125);
+    return m;
+}
+
 /* --- the backdrop: a floor that bends up into a wall --- */
 
 static mesh make_backdrop(void)
@@ -367,10 +394,10 @@ int main(int argc, char **argv)
         fprintf(stderr, "usage: airlight-make-default-scene DIR\n");
         return 2;
     }
-    mesh meshes[] = {make_bear(), make_knot(), make_backdrop()};
-    static const char *const names[] = {"bear.ply", "knot.ply", "backdrop.ply"};
+    mesh meshes[] = {make_bear(), make_knot(), make_face(), make_backdrop()};
+    static const char *const names[] = {"bear.ply", "knot.ply", "face.ply", "backdrop.ply"};
     bool good = true;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 4; i++) {
         good &= write_ply(argv[1], names[i], meshes + i);
         free_mesh(meshes + i);
     }

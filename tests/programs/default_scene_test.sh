@@ -6,6 +6,6 @@ made=$(mktemp -d)
 trap 'rm -rf "$made"' EXIT
 
 "$1" "$made"
-for mesh in bear knot backdrop; do
+for mesh in bear knot face backdrop; do
     cmp "$made/$mesh.ply" "$2/$mesh.ply"
 done
