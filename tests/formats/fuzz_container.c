@@ -1,0 +1,95 @@
+/* Everything that reads an asset, on bytes that anyone may have written: nothing may crash, and what the checker
+ * accepts must be readable. Checksums would stop nearly every input at the door, so each is tried twice, the
+ * second time with its checksums put right.
+ *
+ * The libFuzzer target (AIRLIGHT_FUZZ) and the replay in the tests run the same function. */
+#include "fuzz_container.h"
+
+#include <math.h>
+
+#include "airlight/scene.h"
+#include "airlight/translucent.h"
+#include "forge.h"
+
+#define REQUIRE(condition) \
+    do { \
+        if (!(condition)) { \
+            fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition); \
+            abort(); \
+        } \
+    } while (0)
+
+static bool read_translucent(const al_file *file)
+{
+    al_translucent_info info;
+    al_translucent_page page;
+    const uint16_t *density;
+    const uint8_t *blockers;
+    float coefficients[64], answer[3];
+    uint32_t used;
+    const float position[3] = {0.1f, 0.05f, 0.1f}, direction[3] = {1, 2, 3};
+    if (al_translucent_read(file, &info, NULL) != AL_OK) return false;
+    bool good = al_translucent_read_grid(file, &info, &density, &blockers, NULL) == AL_OK;
+    for (uint32_t p = 0; p < al_translucent_page_count(&info); p++) {
+        if (al_translucent_read_page(file, &info, p, &page, NULL) != AL_OK) return false;
+        for (uint32_t i = 0; i < page.count; i++) al_translucent_decode(&info, &page, i, info.channel_count - 1, coefficients);
+    }
+    REQUIRE(al_translucent_evaluate(file, &info, position, direction, answer, &used, NULL) == AL_OK);
+    for (int c = 0; c < 3; c++) REQUIRE(answer[c] >= 0 && answer[c] <= 1);
+    return good;
+}
+
+static bool read_scene(const al_file *file)
+{
+    al_scene scene;
+    if (al_scene_read(file, &scene, NULL) != AL_OK) return false;
+    double sum = 0;
+    for (uint32_t m = 0; m < scene.mesh_count; m++) {
+        const al_mesh *mesh = &scene.meshes[m];
+        for (uint32_t i = 0; i < mesh->index_count; i++) sum += mesh->positions[3 * (size_t)mesh->indices[i]] * 1e-30;
+        sum += (double)strlen(mesh->name);
+    }
+    for (uint32_t i = 0; i < scene.instance_count; i++) sum += scene.meshes[scene.instances[i].mesh].vertex_count;
+    REQUIRE(isfinite(sum) && scene.camera_count > 0);
+    al_scene_free(&scene);
+    return true;
+}
+
+/* Number of findings, and a hash of them, to compare two ways of checking. */
+static void count_finding(void *user, int rule, const char *message)
+{
+    uint64_t *sum = user;
+    *sum = XXH64(message, strlen(message), *sum + (uint64_t)rule);
+}
+
+static void try_bytes(const uint8_t *data, size_t size)
+{
+    al_file *file;
+    al_error error = {0};
+    uint64_t first = 0, second = 0;
+    al_status checked = al_file_check_memory("input", data, size, count_finding, &first, &error);
+    REQUIRE(checked == AL_OK || checked == AL_BAD_INPUT);
+    REQUIRE((checked == AL_OK) == (first == 0) && (checked == AL_OK || error.message[0]));
+    REQUIRE(al_file_check_memory("input", data, size, count_finding, &second, NULL) == checked && first == second);
+    al_status opened = al_file_from_memory("input", data, size, NULL, &file, NULL);
+    if (opened == AL_OK) {
+        bool read = al_file_kind(file) == AL_KIND_SCENE ? read_scene(file) : read_translucent(file);
+        REQUIRE(read || checked != AL_OK);
+        al_file_close(file);
+    } else {
+        REQUIRE(checked != AL_OK);
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    forged f = {calloc(size ? size : 1, 1), size}; /* of its own: aligned, and a sanitizer sees every read beyond */
+    if (!f.data) return 0;
+    if (size) memcpy(f.data, data, size);
+    try_bytes(f.data, size);
+    if (size >= 128) forge_put(f.data + 16, size, 8);
+    forge_seal(f);
+    try_bytes(f.data, size);
+    free(f.data);
+    return 0;
+}
