@@ -58,13 +58,21 @@ static al_status list_devices(al_error *error)
     return status;
 }
 
-/* Creates the folder where it is missing; its parents must exist. */
+/* Creates the folder and what is missing above it. */
 static al_status make_folder(const char *path, al_error *error)
 {
+    char part[1024];
     struct stat facts;
-    if (mkdir(path, 0777) == 0) return AL_OK;
-    if (errno == EEXIST && stat(path, &facts) == 0 && S_ISDIR(facts.st_mode)) return AL_OK;
-    return al_fail(error, AL_IO, "%s: cannot create the folder: %s", path, errno == EEXIST ? "a file of that name is there" : strerror(errno));
+    if (snprintf(part, sizeof part, "%s", path) >= (int)sizeof part) return al_fail(error, AL_USAGE, "-o: the folder's name is too long");
+    for (char *at = part + 1;; at++) {
+        char end = *at;
+        if (end != '/' && end != 0) continue;
+        *at = 0;
+        if (mkdir(part, 0777) != 0 && !(errno == EEXIST && stat(part, &facts) == 0 && S_ISDIR(facts.st_mode)))
+            return al_fail(error, AL_IO, "%s: cannot create the folder: %s", part, errno == EEXIST ? "a file of that name is there" : strerror(errno));
+        if (end == 0) return AL_OK;
+        *at = end;
+    }
 }
 
 /* The key an asset was baked under, kept in its PROV chunk. False: none, or not readable, or not valid. */

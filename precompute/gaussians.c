@@ -8,13 +8,14 @@
 #include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "parallel.h"
 #include "point_grid.h"
 #include "sample.h"
 
 static const double width = 0.6, reach = 3.0;
-enum { NEIGHBOURS = 6, POINTS_PER_SAMPLE = 8, POINTS_AT_LEAST = 4096, ITERATIONS = 16, BLOCK = 256 };
+enum { NEIGHBOURS = 6, POINTS_PER_SAMPLE = 4, POINTS_AT_LEAST = 4096, ITERATIONS = 10, BLOCK = 256 };
 
 typedef struct blend {
     al_samples *samples;
@@ -33,12 +34,11 @@ static unsigned blocks(uint32_t count)
     return (count + BLOCK - 1) / BLOCK;
 }
 
-static double gaussian(const blend *b, uint32_t sample, const float point[3])
+static float gaussian(const float centre[3], const float g[4], const float point[3])
 {
-    const float *centre = b->samples->positions + 3 * (size_t)sample, *g = b->samples->gaussians + 4 * (size_t)sample;
-    double dx = point[0] - centre[0], dy = point[1] - centre[1], dz = point[2] - centre[2];
-    double square = dx * dx + dy * dy + dz * dz;
-    return square <= (double)g[2] * g[2] ? exp(-g[0] * square) : 0;
+    float dx = point[0] - centre[0], dy = point[1] - centre[1], dz = point[2] - centre[2];
+    float square = dx * dx + dy * dy + dz * dz;
+    return square <= g[2] * g[2] ? expf(-g[0] * square) : 0;
 }
 
 /* Mean distance to the nearest samples. A sample has neighbours within about twice its free distance, so the
@@ -95,8 +95,8 @@ static bool sum_block(void *user, unsigned piece, unsigned thread)
         double centre[3] = {p[0], p[1], p[2]};
         al_point_walk walk = al_point_walk_begin(&b->by_point, centre, g[2]);
         for (uint32_t n = al_point_walk_next(&walk); n != UINT32_MAX; n = al_point_walk_next(&walk)) {
-            double value = g[1] * gaussian(b, i, b->points + 3 * (size_t)n);
-            if (value > 0) atomic_fetch_add_explicit(&b->fixed_sums[n], (uint64_t)(value * 0x1p40), memory_order_relaxed);
+            float value = g[1] * gaussian(p, g, b->points + 3 * (size_t)n);
+            if (value > 0) atomic_fetch_add_explicit(&b->fixed_sums[n], (uint64_t)((double)value * 0x1p40), memory_order_relaxed);
         }
     }
     return true;
@@ -118,13 +118,36 @@ static bool weigh_block(void *user, unsigned piece, unsigned thread)
         double centre[3] = {p[0], p[1], p[2]}, wanted = 0, reached = 0;
         al_point_walk walk = al_point_walk_begin(&b->by_point, centre, g[2]);
         for (uint32_t n = al_point_walk_next(&walk); n != UINT32_MAX; n = al_point_walk_next(&walk)) {
-            double value = gaussian(b, i, b->points + 3 * (size_t)n);
+            float value = gaussian(p, g, b->points + 3 * (size_t)n);
             wanted += value;
-            reached += value * b->sums[n];
+            reached += (double)value * b->sums[n];
         }
         b->weights[i] = reached > 0 ? (float)(g[1] * wanted / reached) : g[1];
     }
     return true;
+}
+
+/* Lists the points in by_point; those of a cell are made neighbours in memory, where most of the time goes. */
+static al_status list_points(blend *b, const double low[3], const double high[3], al_error *error)
+{
+    al_point_grid unsorted = {0};
+    float *sorted = malloc(3 * (size_t)b->point_count * sizeof *sorted);
+    al_status status = sorted ? AL_OK : al_fail(error, AL_IO, "out of memory for %u points", b->point_count);
+    if (status == AL_OK) status = al_point_grid_create(b->points, b->point_count, low, high, b->samples->radius_m, &unsorted, error);
+    if (status == AL_OK) {
+        uint32_t count = 0;
+        for (uint32_t i = 0; i < b->point_count; i++) al_point_grid_insert(&unsorted, i);
+        al_point_walk walk = al_point_walk_begin(&unsorted, low, high[0] - low[0] + high[1] - low[1] + high[2] - low[2]);
+        for (uint32_t n = al_point_walk_next(&walk); n != UINT32_MAX; n = al_point_walk_next(&walk))
+            memcpy(sorted + 3 * (size_t)count++, b->points + 3 * (size_t)n, 3 * sizeof *sorted);
+        memcpy(b->points, sorted, 3 * (size_t)count * sizeof *sorted);
+        al_point_grid_free(&unsorted);
+        al_point_grid_free(&b->by_point);
+        status = al_point_grid_create(b->points, b->point_count, low, high, b->samples->radius_m, &b->by_point, error);
+    }
+    for (uint32_t i = 0; status == AL_OK && i < b->point_count; i++) al_point_grid_insert(&b->by_point, i);
+    free(sorted);
+    return status;
 }
 
 /* Draws the points of one purpose: numbers from `first` on of the candidates' sequence. */
@@ -186,12 +209,11 @@ al_status al_sample_gaussians(const char *name, const al_grid *grid, const al_in
     }
     status = al_candidates_create(grid, interior, options->seed ^ 0x5bd1e995u, &candidates, error);
     if (status == AL_OK) status = al_point_grid_create(samples->positions, count, low, high, samples->radius_m, &b.by_sample, error);
-    if (status == AL_OK) status = al_point_grid_create(b.points, b.point_count, low, high, samples->radius_m, &b.by_point, error);
     if (status != AL_OK) goto cleanup;
     for (uint32_t i = 0; i < count; i++) al_point_grid_insert(&b.by_sample, i);
     al_parallel(options->threads, blocks(count), shape_block, &b);
     draw_points(&b, &candidates, 0);
-    for (uint32_t i = 0; i < b.point_count; i++) al_point_grid_insert(&b.by_point, i);
+    status = list_points(&b, low, high, error);
     for (int n = 0; n < ITERATIONS && status == AL_OK; n++) {
         sum_gaussians(&b, options->threads);
         al_parallel(options->threads, blocks(count), weigh_block, &b);
@@ -200,11 +222,9 @@ al_status al_sample_gaussians(const char *name, const al_grid *grid, const al_in
     }
     if (status != AL_OK) goto cleanup;
     centre_sum(&b, options->threads);
-    al_point_grid_free(&b.by_point);
-    status = al_point_grid_create(b.points, b.point_count, low, high, samples->radius_m, &b.by_point, error);
-    if (status != AL_OK) goto cleanup;
     draw_points(&b, &candidates, 1u << 30);
-    for (uint32_t i = 0; i < b.point_count; i++) al_point_grid_insert(&b.by_point, i);
+    status = list_points(&b, low, high, error);
+    if (status != AL_OK) goto cleanup;
     sum_gaussians(&b, options->threads);
     measure_unity(&b);
 cleanup:
