@@ -35,7 +35,7 @@ static al_status create(al_runtime *runtime, al_object *object, const al_translu
                                      error);
     if (!status && info->format == AL_COEFFICIENT_BYTE)
         status = al_gl_buffer_create(memory, count * info->channel_count * 4, NULL, &object->scales, error);
-    if (!status) status = al_gl_buffer_create(memory, count * 16, NULL, &object->lit, error);
+    if (!status) status = al_gl_buffer_create(memory, count * 32, NULL, &object->lit, error);
     if (!status) status = al_gl_buffer_create(memory, sizeof(al_object_block), NULL, &object->constants, error);
     if (!status)
         status = al_gl_texture_create(memory, GL_TEXTURE_3D, info->has_blockers ? GL_RG16 : GL_R16,
@@ -266,6 +266,7 @@ static void fill_medium(al_object_block *block, const al_translucent_info *info)
     }
     block->albedo[3] = info->g;
     block->march[0] = reference * info->density_max;
+    block->march[2] = reference;
 }
 
 static void fill_rays(const al_draw *draw, al_object_block *block, const double *inverse)

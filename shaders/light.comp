@@ -7,7 +7,10 @@
 // as the object is seen from one direction).
 //
 // Marched view leg: the result is albedo_c J_c; the interval map brings extinction and the transmittance to the
-// eye. AL_VIEW_SH, as published: sigma_s,c at the sample times psi_c(towards the eye) times J_c, 1/m.
+// eye. Beside it goes its relative slope: along the direction w to its light psi(x, w) grows by sigma_t(x) psi per
+// metre, exactly, so that to first order J(x) = J(b) exp(s.(x - b)) with s = sum of sigma_t J_light w / J. (What
+// psi does across w depends on where the light enters and is not known here; nor is the environment's slope.)
+// AL_VIEW_SH, as published: sigma_s,c at the sample times psi_c(towards the eye) times J_c, 1/m.
 //
 // AL_ORDER, AL_BAKED_ORDER: bands used and bands stored. AL_CHANNELS: 1 or 3 sets of coefficients.
 // AL_FORMAT: 0 float32, 1 binary16, 2 int8 with a scale per sample and set.
@@ -29,7 +32,7 @@ layout(std430, binding = 0) readonly buffer Positions { float positions[]; };
 layout(std430, binding = 1) readonly buffer Gaussians { vec4 gaussians[]; }; // a 1/m^2, weight, radius m, density
 layout(std430, binding = 2) readonly buffer Coefficients { uint coefficients[]; }; // from sample `first` on
 layout(std430, binding = 3) readonly buffer Scales { float scales[]; };
-layout(std430, binding = 4) writeonly buffer Lit { vec4 lit[]; };
+layout(std430, binding = 4) writeonly buffer Lit { vec4 lit[]; }; // rgb; then the slope, 1/m
 layout(location = 0) uniform uint first; // sample of this dispatch; a block holds no more than GL allows
 
 float coefficient(uint index)
@@ -93,25 +96,28 @@ void main()
     vec3 eye_way = to_eye(world);
     vec4 gaussian = gaussians[index];
     load_psi(index);
-    vec3 sum = vec3(0.0);
+    vec3 sum = vec3(0.0), slope = vec3(0.0);
     for (int i = 0; i < counts.x; i++) {
         vec3 direction;
         float reach;
         // No more than the mean over a ball of radius a^(-1/2) about the light, 3 a: the sample stands for its
         // surroundings, so a light inside it has no pole.
         vec3 arriving = light_arrival(i, world, 3.0 * gaussian.x * prefix.x, direction, reach);
-        arriving *= transmittance(mat3(world_to_object) * direction);
-        arriving *= al_phase(albedo.w, -dot(direction, eye_way));
+        vec3 own = mat3(world_to_object) * direction;
+        arriving *= transmittance(own) * al_phase(albedo.w, -dot(direction, eye_way));
         if (toggles.z != 0 && arriving != vec3(0.0))
             arriving *= opaque_visibility(i, world, vec3(0.0)) *
                         translucent_visibility(world, direction, reach, sizes.z);
         sum += arriving;
+        slope += dot(arriving, ratio.rgb) * own;
     }
     if (toggles.w != 0) sum += environment_light();
 #ifdef AL_VIEW_SH
     sum *= sigma_s.rgb * gaussian.w * transmittance(mat3(world_to_object) * eye_way);
 #else
+    slope *= march.z * gaussian.w / max(dot(sum, vec3(1.0)), 1e-30);
     sum *= albedo.rgb;
 #endif
-    lit[index] = vec4(sum, 0.0);
+    lit[2 * index] = vec4(sum, 0.0);
+    lit[2 * index + 1] = vec4(slope, 0.0);
 }

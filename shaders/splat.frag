@@ -23,6 +23,7 @@ layout(binding = 5) uniform sampler2D geometry;
 flat in vec3 center;
 flat in vec4 shape; // a in 1/m^2, radius squared, sqrt(a), weight
 flat in vec3 light;
+flat in vec3 slope;
 
 layout(location = 0) out vec4 sum;
 
@@ -36,6 +37,15 @@ Share transmittance(float tau)
 #else
 #define Share float
 #endif
+
+float alpha_of(Share share)
+{
+#ifdef AL_CHROMATIC
+    return share.a;
+#else
+    return share;
+#endif
+}
 
 // The mean of exp(-x^2) between x0 <= x1, given the error function at both. Short spans by their middle, where the
 // difference would cancel: relative error below d^2 |4 m^2 - 2| / 24 = 1e-3 and only far out.
@@ -94,6 +104,7 @@ void main()
     }
     float here = clamp(low, ta, tb), x = shape.z * (here - middle), erf_x = al_erf(x);
     Share part = Share(0.0);
+    float moment = 0.0; // sum of shares times where they lie
 #ifdef AL_CHROMATIC
     Share above = transmittance(j == 0 ? 0.0 : texelFetch(knots, ivec3(place, groups + j - 1), 0).w);
 #else
@@ -108,12 +119,13 @@ void main()
             float next_erf = al_erf(next_x);
             float mean = overlap(low, high, here, next) * mean_gauss(x, next_x, erf_x, next_erf);
 #ifdef AL_CHROMATIC
-            Share below = transmittance(depths[c]);
-            part += (above - below) * mean;
+            Share below = transmittance(depths[c]), share = (above - below) * mean;
             above = below;
 #else
-            part += 4 * j + c < count ? mean * step : 0.0;
+            float share = 4 * j + c < count ? mean * step : 0.0;
 #endif
+            part += share;
+            moment += alpha_of(share) * (here + next);
             low = high;
             here = next;
             x = next_x;
@@ -139,14 +151,19 @@ void main()
 #else
         float share = exp(-tau_from) * al_one_minus_exp(tau_to - tau_from);
 #endif
-        part += share * mean_gauss(x, next_x, erf_x, al_erf(next_x));
+        share *= mean_gauss(x, next_x, erf_x, al_erf(next_x));
+        part += share;
+        moment += alpha_of(share) * (here + to);
         break;
     }
+    // The light where the shares lie on the mean.
+    float mean_t = 0.5 * moment / max(alpha_of(part), 1e-30) - middle;
+    vec3 here_light = light * exp(clamp(dot(slope, mean_t * direction - across), -1.0, 1.0));
     part *= profile;
 #ifdef AL_CHROMATIC
-    sum = vec4(light * part.rgb, part.a);
+    sum = vec4(here_light * part.rgb, part.a);
 #else
-    sum = vec4(light, 1.0) * part;
+    sum = vec4(here_light, 1.0) * part;
 #endif
 #endif
 }

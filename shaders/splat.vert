@@ -12,6 +12,7 @@ layout(std430, binding = 4) readonly buffer Lit { vec4 lit[]; };
 flat out vec3 center; // object space, m
 flat out vec4 shape;  // a in 1/m^2, radius squared, sqrt(a), weight
 flat out vec3 light;
+flat out vec3 slope; // of the light, relative, 1/m
 
 // Bounds along one screen axis. The planes x = s w that touch the ball of radius R about c fulfil
 // (r0.c - s r3.c)^2 = R^2 |n0 - s n3|^2 with r0, r3 the matrix's rows and n0, n3 their normals: a quadratic in s.
@@ -34,7 +35,8 @@ void main()
     center = vec3(positions[3 * index], positions[3 * index + 1], positions[3 * index + 2]);
     float a = gaussian.x * prefix.x, radius = gaussian.z * prefix.y;
     shape = vec4(a, radius * radius, sqrt(a), gaussian.y);
-    light = lit[index].rgb;
+    light = lit[2 * index].rgb;
+    slope = lit[2 * index + 1].xyz;
 
     mat4 rows = transpose(view_projection * object_to_world);
     vec4 middle = vec4(center, 1.0);
