@@ -8,13 +8,14 @@ enum { STEPS_PER_VOXEL = 4, STEP_LIMIT = 1 << 20 };
 al_march_medium al_march_medium_of(const al_import *import, uint32_t object)
 {
     uint32_t index = import->scene.translucents[object].medium;
-    const al_medium_description *from = &import->description->media[index];
-    al_march_medium medium = {.density = import->densities[index], .description = &from->density, .g = from->g};
-    medium.step_m = INFINITY;
-    if (from->density.type == AL_DENSITY_GRID) medium.step_m = al_density_detail_m(medium.density) / STEPS_PER_VOXEL;
+    const al_medium *from = &import->scene.media[index];
+    al_march_medium medium = {.density = import->densities[index], .step_m = INFINITY, .g = from->g};
+    medium.description = &import->description->media[index].density;
+    if (medium.description->type == AL_DENSITY_GRID)
+        medium.step_m = al_density_detail_m(medium.density) / STEPS_PER_VOXEL;
     for (int c = 0; c < 3; c++) {
         medium.sigma_s_per_m[c] = from->sigma_s_per_m[c];
-        medium.sigma_t_per_m[c] = from->sigma_s_per_m[c] + from->sigma_a_per_m[c];
+        medium.sigma_t_per_m[c] = (double)from->sigma_s_per_m[c] + from->sigma_a_per_m[c];
     }
     return medium;
 }

@@ -8,8 +8,8 @@
 #include "sampling.h"
 
 /* Within a batch samples are stratified, across batches they are independent: the spread of the batches' means
- * tells the error. More batches tell it better, fewer stratify better. */
-enum { BATCH_LIMIT = 16 };
+ * tells the error. More batches tell it better, fewer stratify better: 8 samples to a batch, within these. */
+enum { BATCH_MINIMUM = 8, BATCH_LIMIT = 16, BATCH_SAMPLES = 8 };
 
 typedef struct worker {
     void *scratch;
@@ -155,12 +155,20 @@ static void free_workers(render *r, unsigned threads)
     free(r->workers);
 }
 
+static uint32_t batch_count(uint32_t samples)
+{
+    uint32_t wanted = samples / BATCH_SAMPLES;
+    if (wanted < BATCH_MINIMUM) wanted = BATCH_MINIMUM;
+    if (wanted > BATCH_LIMIT) wanted = BATCH_LIMIT;
+    return samples < wanted ? samples : wanted;
+}
+
 al_status al_render(const al_mode *mode, const void *state, const al_render_options *options, al_image *image,
                     al_image *standard_error, al_error *error)
 {
     render r = {.mode = mode, .state = state, .options = options, .image = image, .standard_error = standard_error};
     unsigned threads = al_parallel_threads(options->threads);
-    r.batches = options->samples < BATCH_LIMIT ? options->samples : BATCH_LIMIT;
+    r.batches = batch_count(options->samples);
     r.dimensions = 2 + mode->dimensions(state);
     *image = *standard_error = (al_image){0};
     al_status status = aim(&r, error);

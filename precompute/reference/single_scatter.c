@@ -92,114 +92,110 @@ typedef struct scatter_point {
     double transmittance[3]; /* to the eye */
 } scatter_point;
 
-/* Optical depth at the start of a cell: of one channel, or with channel 3 the mean. */
-static double depth_of(const double depth[3], int channel)
-{
-    return channel < 3 ? depth[channel] : (depth[0] + depth[1] + depth[2]) / 3;
-}
-
-/* The distance at which the optical depth reaches `target`. */
-static double invert_depth(const al_cells *cells, int channel, double target)
-{
-    uint32_t low = 0, high = cells->count;
-    while (high - low > 1) {
-        uint32_t middle = low + (high - low) / 2;
-        if (depth_of(cells->cells[middle].depth, channel) <= target) low = middle;
-        else high = middle;
-    }
-    const al_cell *cell = &cells->cells[low];
-    double sigma = depth_of(cell->sigma_t_per_m, channel), length = cell->end_m - cell->begin_m;
-    double into = sigma > 0 ? (target - depth_of(cell->depth, channel)) / sigma : 0.5 * length;
-    return cell->begin_m + fmin(fmax(into, 0), length);
-}
-
-static const al_cell *cell_at(const al_cells *cells, double distance_m)
-{
-    uint32_t low = 0, high = cells->count;
-    while (high - low > 1) {
-        uint32_t middle = low + (high - low) / 2;
-        if (cells->cells[middle].begin_m <= distance_m) low = middle;
-        else high = middle;
-    }
-    const al_cell *cell = &cells->cells[low];
-    return distance_m >= cell->begin_m && distance_m <= cell->end_m ? cell : NULL;
-}
-
-/* T-proportional in one of the channels that see anything: tau = -log(1 - u (1 - exp(-tau_total))). */
-static double sample_transmittance(const al_cells *cells, double u)
-{
-    int channels[3], count = 0;
-    for (int c = 0; c < 3; c++)
-        if (cells->depth[c] > 0) channels[count++] = c;
-    int pick = (int)(u * count);
-    double place = u * count - pick;
-    return invert_depth(cells, channels[pick], -log1p(place * expm1(-cells->depth[channels[pick]])));
-}
-
-/* Probability per metre of sample_transmittance and, in `uniform`, of sampling in proportion to sigma_t. */
-static double transmittance_density(const al_cells *cells, const al_cell *cell, double distance_m, double *uniform)
-{
-    double sum = 0;
-    int count = 0;
-    for (int c = 0; c < 3; c++) {
-        if (!(cells->depth[c] > 0)) continue;
-        double depth = cell->depth[c] + (distance_m - cell->begin_m) * cell->sigma_t_per_m[c];
-        sum += cell->sigma_t_per_m[c] * exp(-depth) / -expm1(-cells->depth[c]);
-        count++;
-    }
-    *uniform = depth_of(cell->sigma_t_per_m, 3) / depth_of(cells->depth, 3);
-    return sum / count;
-}
-
-/* Equal angles about a light whose foot on the ray lies at foot_m, `height_m` from it: t = foot + h tan(theta). */
-typedef struct equal_angles {
+/* The three ways to draw a distance, as one distribution. Equal angles are those about a light whose foot on the
+ * ray lies at foot_m, height_m from it: distance = foot + height tan(angle). */
+typedef struct mixture {
+    const al_cells *cells;
+    int channels;      /* to draw from: 1 when all are alike */
+    double mean_depth; /* of the whole ray */
+    double share;      /* of each way: 1/2 without a point light, 1/3 with */
+    bool by_angle;
     double foot_m, height_m, first, last; /* angles at the ends of the media */
-} equal_angles;
+} mixture;
 
-static equal_angles angles_about(const al_cells *cells, const al_ray *eye, const double light[3])
+static double mean_of(const double v[3])
 {
-    equal_angles a = {0};
-    double to[3], square = 0;
+    return (v[0] + v[1] + v[2]) / 3;
+}
+
+static void aim_at_light(const al_ray *eye, const double light[3], mixture *m)
+{
+    const al_cells *cells = m->cells;
+    double to[3], square = 0, begin_m = cells->cells[0].begin_m, end_m = cells->cells[cells->count - 1].end_m;
     for (int k = 0; k < 3; k++) {
         to[k] = light[k] - eye->origin[k];
-        a.foot_m += to[k] * eye->direction[k];
+        m->foot_m += to[k] * eye->direction[k];
     }
     for (int k = 0; k < 3; k++) {
-        double off = to[k] - a.foot_m * eye->direction[k];
+        double off = to[k] - m->foot_m * eye->direction[k];
         square += off * off;
     }
-    double begin_m = cells->cells[0].begin_m, end_m = cells->cells[cells->count - 1].end_m;
     /* A light on the ray itself would make every angle the same. */
-    a.height_m = fmax(sqrt(square), 1e-6 * (end_m - begin_m));
-    a.first = atan2(begin_m - a.foot_m, a.height_m);
-    a.last = atan2(end_m - a.foot_m, a.height_m);
-    return a;
+    m->height_m = fmax(sqrt(square), 1e-6 * (end_m - begin_m));
+    m->first = atan2(begin_m - m->foot_m, m->height_m);
+    m->last = atan2(end_m - m->foot_m, m->height_m);
+    m->by_angle = m->last > m->first;
 }
 
-static double angle_density(const equal_angles *a, double distance_m)
+/* `light` is the position of a point light, else NULL. */
+static mixture make_mixture(const al_cells *cells, const al_ray *eye, const double *light)
 {
-    double off = distance_m - a->foot_m;
-    return a->height_m / ((a->last - a->first) * (a->height_m * a->height_m + off * off));
+    bool alike = cells->depth[0] == cells->depth[1] && cells->depth[0] == cells->depth[2];
+    mixture m = {.cells = cells, .channels = alike ? 1 : 3, .mean_depth = mean_of(cells->depth)};
+    if (light) aim_at_light(eye, light, &m);
+    m.share = m.by_angle ? 1.0 / 3 : 0.5;
+    return m;
 }
 
-/* A point of the mixture; `light` is the position of a point light, else NULL. False where there is no medium. */
-static bool draw_point(const al_cells *cells, const al_ray *eye, const double *light, double u, scatter_point *out)
+/* Probability per metre of a distance within a cell, and in `cumulative` the probability of drawing less:
+ *   transmittance:  F = (1 - exp(-tau(t))) / (1 - exp(-tau)), mean over the channels (0 where tau is 0)
+ *   optical depth:  F = tau(t) / tau, of the mean over the channels
+ *   equal angles:   F = (angle(t) - first) / (last - first) */
+static double mixture_density(const mixture *m, const al_cell *cell, double distance_m, double *cumulative)
 {
-    equal_angles angles = {0};
-    if (light) angles = angles_about(cells, eye, light);
-    bool by_angle = light && angles.last > angles.first;
-    int strategies = by_angle ? 3 : 2, pick = (int)(u * strategies);
-    double place = u * strategies - pick, uniform;
-    if (pick == 0) out->distance_m = sample_transmittance(cells, place);
-    else if (pick == 1) out->distance_m = invert_depth(cells, 3, place * depth_of(cells->depth, 3));
-    else
-        out->distance_m =
-            angles.foot_m + angles.height_m * tan(angles.first + place * (angles.last - angles.first));
-    out->cell = cell_at(cells, out->distance_m);
-    if (!out->cell) return false;
-    double density = transmittance_density(cells, out->cell, out->distance_m, &uniform) + uniform;
-    if (by_angle) density += angle_density(&angles, out->distance_m);
-    out->density_per_m = density / strategies;
+    double into = distance_m - cell->begin_m, density = 0;
+    *cumulative = 0;
+    for (int c = 0; c < m->channels; c++) {
+        double depth = cell->depth[c] + into * cell->sigma_t_per_m[c], all = -expm1(-m->cells->depth[c]);
+        if (!(all > 0)) continue;
+        *cumulative += -expm1(-depth) / all / m->channels;
+        density += cell->sigma_t_per_m[c] * exp(-depth) / all / m->channels;
+    }
+    *cumulative += (mean_of(cell->depth) + into * mean_of(cell->sigma_t_per_m)) / m->mean_depth;
+    density += mean_of(cell->sigma_t_per_m) / m->mean_depth;
+    if (m->by_angle) {
+        double off = distance_m - m->foot_m, width = m->last - m->first;
+        *cumulative += (atan2(off, m->height_m) - m->first) / width;
+        density += m->height_m / (width * (m->height_m * m->height_m + off * off));
+    }
+    *cumulative *= m->share;
+    return density * m->share;
+}
+
+/* The distance in a cell where the cumulative probability is u: Newton's method, kept within the bracket. One
+ * distribution inverted as a whole, and not a way picked at random, lets strata of u be strata of distance. */
+static double invert_in_cell(const mixture *m, const al_cell *cell, double u)
+{
+    enum { STEPS = 60 };
+    double low = cell->begin_m, high = cell->end_m, at = 0.5 * (low + high);
+    for (int i = 0; i < STEPS && high - low > 1e-12 * cell->end_m; i++) {
+        double cumulative, density = mixture_density(m, cell, at, &cumulative);
+        if (fabs(cumulative - u) < 1e-13) break;
+        if (cumulative < u) low = at;
+        else high = at;
+        at -= (cumulative - u) / density;
+        if (!(at > low && at < high)) at = 0.5 * (low + high);
+    }
+    return at;
+}
+
+/* Draws the point for u in [0,1). False where there is no medium: equal angles reach into gaps. */
+static bool draw_point(const mixture *m, const al_ray *eye, double u, scatter_point *out)
+{
+    double cumulative;
+    uint32_t low = 0, high = m->cells->count;
+    while (high - low > 1) {
+        uint32_t middle = low + (high - low) / 2;
+        const al_cell *cell = &m->cells->cells[middle];
+        mixture_density(m, cell, cell->begin_m, &cumulative);
+        if (cumulative <= u) low = middle;
+        else high = middle;
+    }
+    out->cell = &m->cells->cells[low];
+    mixture_density(m, out->cell, out->cell->end_m, &cumulative);
+    if (u > cumulative && low + 1 < m->cells->count) return false;
+    out->distance_m = invert_in_cell(m, out->cell, u);
+    out->density_per_m = mixture_density(m, out->cell, out->distance_m, &cumulative);
     for (int c = 0; c < 3; c++) {
         double into = out->distance_m - out->cell->begin_m;
         out->transmittance[c] = exp(-(out->cell->depth[c] + into * out->cell->sigma_t_per_m[c]));
@@ -265,7 +261,8 @@ static bool add_directional(const single_scatter *state, scratch *s, const al_li
 {
     scatter_point point;
     double towards[3], power[3], length = hypot(hypot(light->vector[0], light->vector[1]), light->vector[2]);
-    if (!draw_point(&s->cells, eye, NULL, u, &point)) return true;
+    mixture m = make_mixture(&s->cells, eye, NULL);
+    if (!draw_point(&m, eye, u, &point)) return true;
     for (int k = 0; k < 3; k++) {
         towards[k] = -light->vector[k] / length;
         power[k] = light->intensity[k];
@@ -278,7 +275,8 @@ static bool add_point(const single_scatter *state, scratch *s, const al_light *l
 {
     scatter_point point;
     double position[3] = {light->vector[0], light->vector[1], light->vector[2]}, towards[3], power[3], square = 0;
-    if (!draw_point(&s->cells, eye, position, u, &point)) return true;
+    mixture m = make_mixture(&s->cells, eye, position);
+    if (!draw_point(&m, eye, u, &point)) return true;
     for (int k = 0; k < 3; k++) {
         towards[k] = position[k] - point.position[k];
         square += towards[k] * towards[k];
@@ -323,7 +321,8 @@ static bool add_environment(const single_scatter *state, scratch *s, const al_ra
                             double radiance[3])
 {
     scatter_point point;
-    if (!draw_point(&s->cells, eye, NULL, u[0], &point)) return true;
+    mixture m = make_mixture(&s->cells, eye, NULL);
+    if (!draw_point(&m, eye, u[0], &point)) return true;
     double g = main_asymmetry(state, s, &point), towards[3], power[3], shifted[2] = {u[1], u[2]};
     double phase_share = fabs(g) > 0.05 ? 0.5 : 0;
     if (u[1] < phase_share) {
@@ -349,7 +348,7 @@ static bool radiance(const void *user, void *memory, const al_ray *eye, const do
     double end_m = al_ray_scene_opaque_m(state->scene, eye);
     if (!al_ray_scene_segments(state->scene, eye, end_m, &s->eye)) return false;
     if (!al_march_cells(state->media, eye, s->eye.segments, s->eye.segment_count, &s->cells)) return false;
-    if (!(depth_of(s->cells.depth, 3) > 0)) return true;
+    if (!(mean_of(s->cells.depth) > 0)) return true;
     for (uint32_t i = 0; i < state->light_count; i++) {
         const al_light *light = &state->lights[i];
         bool done = light->type == AL_LIGHT_POINT ? add_point(state, s, light, eye, random[i], out)

@@ -1,0 +1,76 @@
+/* A scene from a few words of JSON, and estimates along single rays. */
+#ifndef AIRLIGHT_SCENE_FOR_TEST_H
+#define AIRLIGHT_SCENE_FOR_TEST_H
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "mode.h"
+#include "sampling.h"
+
+typedef struct test_scene {
+    al_import *import;
+    void *state;
+    void *scratch;
+} test_scene;
+
+static inline void close_scene(test_scene *scene)
+{
+    al_mode_single_scatter.scratch_free(scene->scratch);
+    al_mode_single_scatter.close(scene->state);
+    al_import_free(scene->import);
+    *scene = (test_scene){0};
+}
+
+/* `json` is the scene file. Ends the test program when it cannot be opened. */
+static inline test_scene open_scene(const char *json)
+{
+    const char *path = "scatter_test.json";
+    test_scene scene = {0};
+    al_error error = {0};
+    FILE *file = fopen(path, "w");
+    if (!file || fputs(json, file) < 0 || fclose(file)) {
+        perror(path);
+        exit(1);
+    }
+    if (al_import_scene(path, AL_QUALITY_FINAL, &scene.import, &error) ||
+        al_mode_single_scatter.open(scene.import, &scene.state, &error)) {
+        fprintf(stderr, "%s\n", error.message);
+        exit(1);
+    }
+    scene.scratch = al_mode_single_scatter.scratch_new();
+    return scene;
+}
+
+static inline al_ray ray_along(double x, double y, double z, double dx, double dy, double dz)
+{
+    double length = sqrt(dx * dx + dy * dy + dz * dz);
+    return (al_ray){{x, y, z}, {dx / length, dy / length, dz / length}};
+}
+
+/* Mean of 16 independent batches of `count` stratified samples, and its standard error, of one channel. */
+static inline double estimate(const test_scene *scene, const al_ray *ray, uint32_t count, int channel, double *error)
+{
+    enum { BATCHES = 16 };
+    uint32_t dimensions = al_mode_single_scatter.dimensions(scene->state);
+    double *points = malloc(sizeof(double) * count * (dimensions + 1)), means[BATCHES], mean = 0, square = 0;
+    for (uint32_t b = 0; b < BATCHES; b++) {
+        al_random random = al_random_for(1234, b);
+        al_sample_hypercube(&random, count, dimensions, points);
+        means[b] = 0;
+        for (uint32_t i = 0; i < count; i++) {
+            double radiance[3];
+            if (!al_mode_single_scatter.radiance(scene->state, scene->scratch, ray, points + (size_t)i * dimensions,
+                                                 radiance))
+                exit(1);
+            means[b] += radiance[channel] / count;
+        }
+        mean += means[b] / BATCHES;
+    }
+    for (uint32_t b = 0; b < BATCHES; b++) square += (means[b] - mean) * (means[b] - mean);
+    *error = sqrt(square / (BATCHES * (BATCHES - 1)));
+    free(points);
+    return mean;
+}
+
+#endif
