@@ -42,21 +42,24 @@ static bool check_identity(al_file *file, al_report *report)
 {
     const uint8_t *b = file->bytes;
     if (file->size < AL_HEADER_SIZE) {
-        al_report_finding(report, AL_RULE_SIZE, "the file has %zu bytes, an asset has at least %d: it is no asset or was cut off",
+        al_report_finding(report, AL_RULE_SIZE,
+                          "the file has %zu bytes, an asset has at least %d: it is no asset or was cut off",
                           file->size, AL_HEADER_SIZE);
         return false;
     }
     if (memcmp(b, al_magic, AL_MAGIC_SIZE)) {
-        al_report_finding(report, AL_RULE_MAGIC, "this is no airlight asset: the first 8 bytes should be 8B 41 49 52 0D 0A 1A 0A");
+        al_report_finding(report, AL_RULE_MAGIC,
+                          "this is no airlight asset: the first 8 bytes should be 8B 41 49 52 0D 0A 1A 0A");
         return false;
     }
     file->major = al_get_u16(b + 8);
     file->minor = al_get_u16(b + 10);
     if (file->major != AL_FORMAT_MAJOR) {
-        al_report_finding(report, AL_RULE_MAJOR,
-                          "format version %u.%u, this program reads %d.x: %s", file->major, file->minor, AL_FORMAT_MAJOR,
-                          file->major > AL_FORMAT_MAJOR ? "update airlight, or bake the asset again with this version"
-                                                        : "no such version was ever written, the file is damaged");
+        al_report_finding(report, AL_RULE_MAJOR, "format version %u.%u, this program reads %d.x: %s",
+                          file->major, file->minor, AL_FORMAT_MAJOR,
+                          file->major > AL_FORMAT_MAJOR
+                              ? "update airlight, or bake the asset again with this version"
+                              : "no such version was ever written, the file is damaged");
         return false;
     }
     return true;
@@ -67,12 +70,16 @@ static bool check_table(al_file *file, al_report *report)
     const uint8_t *b = file->bytes;
     uint64_t size = al_get_u64(b + 16), table = al_get_u64(b + 24), count = al_get_u32(b + 32);
     if (size != file->size) {
-        al_report_finding(report, AL_RULE_FILE_SIZE, "the header says %" PRIu64 " bytes, the file has %zu: it was cut off or added to",
+        al_report_finding(report, AL_RULE_FILE_SIZE,
+                          "the header says %" PRIu64 " bytes, the file has %zu: it was cut off or added to",
                           size, file->size);
         return false;
     }
-    if (table < AL_HEADER_SIZE || table % AL_ALIGNMENT || table > size || size - table != count * AL_ENTRY_SIZE) {
-        al_report_finding(report, AL_RULE_TABLE, "a table of %" PRIu64 " chunks at offset %" PRIu64 " does not end a file of %" PRIu64 " bytes",
+    if (table < AL_HEADER_SIZE || table % AL_ALIGNMENT || table > size ||
+        size - table != count * AL_ENTRY_SIZE) {
+        al_report_finding(report, AL_RULE_TABLE,
+                          "a table of %" PRIu64 " chunks at offset %" PRIu64
+                          " does not end a file of %" PRIu64 " bytes",
                           count, table, size);
         return false;
     }
@@ -80,7 +87,8 @@ static bool check_table(al_file *file, al_report *report)
     uint64_t computed = al_header_checksum(b, b + table, (size_t)(size - table));
     if (stored != computed) {
         al_report_finding(report, AL_RULE_HEADER_CHECKSUM,
-                          "header and chunk table have checksum %016" PRIx64 ", stored is %016" PRIx64 ": the file is damaged, bake it again",
+                          "header and chunk table have checksum %016" PRIx64 ", stored is %016" PRIx64
+                          ": the file is damaged, bake it again",
                           computed, stored);
         return false;
     }
@@ -95,7 +103,8 @@ static void check_header_fields(al_file *file, al_report *report)
     file->kind = (al_kind)al_get_u32(b + 12);
     const al_kind_rules *kind = al_kind_find(file->kind);
     if (!kind || !kind->check)
-        al_report_finding(report, AL_RULE_KIND, "assets of kind %u (%s) are not known to this version: update airlight",
+        al_report_finding(report, AL_RULE_KIND,
+                          "assets of kind %u (%s) are not known to this version: update airlight",
                           (unsigned)file->kind, al_kind_name(file->kind));
     if (file->minor <= AL_FORMAT_MINOR &&
         !(al_all_zero(b + 36, 4) && al_all_zero(b + AL_RESERVED_OFFSET, AL_RESERVED_SIZE)))
@@ -104,15 +113,20 @@ static void check_header_fields(al_file *file, al_report *report)
     size_t length = 0;
     while (length < AL_WRITER_SIZE && writer[length] >= 0x20 && writer[length] < 0x7f) length++;
     if (length == 0 || length == AL_WRITER_SIZE || !al_all_zero(writer + length, AL_WRITER_SIZE - length))
-        al_report_finding(report, AL_RULE_WRITER, "the writer's name is empty or no zero-padded printable text");
+        al_report_finding(report, AL_RULE_WRITER,
+                          "the writer's name is empty or no zero-padded printable text");
     else
         memcpy(file->writer, writer, length);
 }
 
 static void read_entry(const uint8_t *entry, al_chunk *chunk)
 {
-    *chunk = (al_chunk){.version = al_get_u16(entry + 4), .flags = al_get_u32(entry + 8), .offset = al_get_u64(entry + 16),
-                        .size = al_get_u64(entry + 24), .raw_size = al_get_u64(entry + 32), .checksum = al_get_u64(entry + 40)};
+    *chunk = (al_chunk){.version = al_get_u16(entry + 4),
+                        .flags = al_get_u32(entry + 8),
+                        .offset = al_get_u64(entry + 16),
+                        .size = al_get_u64(entry + 24),
+                        .raw_size = al_get_u64(entry + 32),
+                        .checksum = al_get_u64(entry + 40)};
     for (int i = 0; i < 4; i++) {
         bool good = (entry[i] >= 'A' && entry[i] <= 'Z') || (entry[i] >= '0' && entry[i] <= '9');
         chunk->type[i] = good ? (char)entry[i] : '?';
@@ -124,16 +138,22 @@ static void check_entry(const al_file *file, size_t index, const uint8_t *entry,
     const al_chunk *c = &file->chunks[index];
     bool newer = file->minor > AL_FORMAT_MINOR;
     uint32_t unknown = c->flags & ~(uint32_t)AL_CHUNK_OPTIONAL;
-    if (strchr(c->type, '?')) al_report_finding(report, AL_RULE_CHUNK_TYPE, "chunk %zu: the type %02X %02X %02X %02X is not four of A to Z and 0 to 9",
-                                                index, entry[0], entry[1], entry[2], entry[3]);
+    if (strchr(c->type, '?'))
+        al_report_finding(report, AL_RULE_CHUNK_TYPE,
+                          "chunk %zu: the type %02X %02X %02X %02X is not four of A to Z and 0 to 9", index,
+                          entry[0], entry[1], entry[2], entry[3]);
     if (!newer && !(al_all_zero(entry + 6, 2) && al_all_zero(entry + 12, 4)))
-        al_report_finding(report, AL_RULE_RESERVED, "chunk %zu (%s): reserved bytes of its table entry are not zero", index, c->type);
+        al_report_finding(report, AL_RULE_RESERVED,
+                          "chunk %zu (%s): reserved bytes of its table entry are not zero", index, c->type);
     if (newer ? unknown & ~AL_FLAGS_IGNORABLE : unknown)
-        al_report_finding(report, AL_RULE_CHUNK_FLAGS, "chunk %zu (%s): flags %08" PRIx32 " are not known to this version: update airlight",
+        al_report_finding(report, AL_RULE_CHUNK_FLAGS,
+                          "chunk %zu (%s): flags %08" PRIx32
+                          " are not known to this version: update airlight",
                           index, c->type, c->flags);
     if (c->raw_size != c->size)
-        al_report_finding(report, AL_RULE_CHUNK_RAW_SIZE, "chunk %zu (%s): raw size %" PRIu64 " is not the stored size %" PRIu64,
-                          index, c->type, c->raw_size, c->size);
+        al_report_finding(report, AL_RULE_CHUNK_RAW_SIZE,
+                          "chunk %zu (%s): raw size %" PRIu64 " is not the stored size %" PRIu64, index,
+                          c->type, c->raw_size, c->size);
 }
 
 /* True when the chunk lies where it must; `expected` moves behind it where it lies. */
@@ -142,14 +162,17 @@ static bool check_place(const al_file *file, size_t index, uint64_t *expected, a
     const al_chunk *c = &file->chunks[index];
     if (c->offset > file->table_offset || c->size > file->table_offset - c->offset ||
         al_padded(c->size) > file->table_offset - c->offset) {
-        al_report_finding(report, AL_RULE_CHUNK_INSIDE, "chunk %zu (%s): %" PRIu64 " bytes at offset %" PRIu64 " reach into the table at %" PRIu64,
+        al_report_finding(report, AL_RULE_CHUNK_INSIDE,
+                          "chunk %zu (%s): %" PRIu64 " bytes at offset %" PRIu64
+                          " reach into the table at %" PRIu64,
                           index, c->type, c->size, c->offset, file->table_offset);
         return false;
     }
     bool good = c->offset == *expected, overlap = c->offset < *expected;
     if (!good)
         al_report_finding(report, overlap ? AL_RULE_CHUNK_OVERLAP : AL_RULE_CHUNK_GAP,
-                          "chunk %zu (%s): begins at offset %" PRIu64 " instead of %" PRIu64 ", %s", index, c->type, c->offset, *expected,
+                          "chunk %zu (%s): begins at offset %" PRIu64 " instead of %" PRIu64 ", %s", index,
+                          c->type, c->offset, *expected,
                           overlap ? "inside the one before" : "which leaves a gap");
     *expected = c->offset + al_padded(c->size);
     return good;
@@ -162,18 +185,23 @@ static void check_types(const al_file *file, const al_kind_rules *kind, al_repor
         const al_chunk_rules *rules = al_chunk_find(kind, c->type);
         if (c->flags & AL_CHUNK_OPTIONAL) continue;
         if (!rules)
-            al_report_finding(report, AL_RULE_CHUNK_UNKNOWN, "chunk %zu (%s): required, but unknown to this version: update airlight, or bake the asset again with this version",
+            al_report_finding(report, AL_RULE_CHUNK_UNKNOWN,
+                              "chunk %zu (%s): required, but unknown to this version: update airlight, or "
+                              "bake the asset again with this version",
                               i, c->type);
         else if (c->version > rules->version)
-            al_report_finding(report, AL_RULE_CHUNK_VERSION, "chunk %zu (%s): version %u, this program reads up to %u: update airlight, or bake the asset again with this version",
+            al_report_finding(report, AL_RULE_CHUNK_VERSION,
+                              "chunk %zu (%s): version %u, this program reads up to %u: update airlight, or "
+                              "bake the asset again with this version",
                               i, c->type, c->version, rules->version);
     }
     for (const al_chunk_rules *rules = kind->chunks; rules < kind->chunks + kind->chunk_count; rules++) {
         uint32_t count = 0;
         for (size_t i = 0; i < file->chunk_count; i++) count += !memcmp(file->chunks[i].type, rules->type, 4);
         if (count < rules->minimum || (rules->maximum && count > rules->maximum))
-            al_report_finding(report, AL_RULE_CHUNK_COUNT, "%" PRIu32 " chunks %s, an asset of kind %s has %s %" PRIu32, count, rules->type,
-                              kind->name, count < rules->minimum ? "at least" : "at most",
+            al_report_finding(report, AL_RULE_CHUNK_COUNT,
+                              "%" PRIu32 " chunks %s, an asset of kind %s has %s %" PRIu32, count,
+                              rules->type, kind->name, count < rules->minimum ? "at least" : "at most",
                               count < rules->minimum ? rules->minimum : rules->maximum);
     }
 }
@@ -197,7 +225,8 @@ static void parse(al_file *file, al_report *report)
         placed = check_place(file, i, &expected, report) && placed;
     }
     if (placed && expected != file->table_offset)
-        al_report_finding(report, AL_RULE_CHUNK_GAP, "the table begins at offset %" PRIu64 " instead of %" PRIu64 ", which leaves a gap",
+        al_report_finding(report, AL_RULE_CHUNK_GAP,
+                          "the table begins at offset %" PRIu64 " instead of %" PRIu64 ", which leaves a gap",
                           file->table_offset, expected);
     const al_kind_rules *kind = al_kind_find(file->kind);
     if (kind && kind->check) check_types(file, kind, report);
@@ -225,15 +254,16 @@ static al_status map_file(al_file *file, const char *path, uint64_t limit, al_er
 {
     struct stat about;
     al_status status = AL_OK;
-    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe without a writer must not block */
+    int descriptor =
+        open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe without a writer must not block */
     if (descriptor < 0) return al_fail_errno(error, file->name, "open");
     if (fstat(descriptor, &about) != 0) {
         status = al_fail_errno(error, file->name, "read");
     } else if (!S_ISREG(about.st_mode)) {
         status = al_fail(error, AL_BAD_INPUT, "%s: is no regular file, an asset is one", file->name);
     } else if ((limit && (uint64_t)about.st_size > limit) || (uint64_t)about.st_size > SIZE_MAX) {
-        status = al_fail(error, AL_BAD_INPUT, "%s: has %" PRIu64 " bytes, the limit is %" PRIu64, file->name, (uint64_t)about.st_size,
-                         limit ? limit : (uint64_t)SIZE_MAX);
+        status = al_fail(error, AL_BAD_INPUT, "%s: has %" PRIu64 " bytes, the limit is %" PRIu64, file->name,
+                         (uint64_t)about.st_size, limit ? limit : (uint64_t)SIZE_MAX);
     } else if (about.st_size > 0) {
         void *mapping = mmap(NULL, (size_t)about.st_size, PROT_READ, MAP_PRIVATE, descriptor, 0);
         if (mapping == MAP_FAILED) {
@@ -252,14 +282,16 @@ static al_status set_memory(al_file *file, const void *data, size_t size, uint64
 {
     assert((uintptr_t)data % 8 == 0);
     if (limit && size > limit)
-        return al_fail(error, AL_BAD_INPUT, "%s: has %zu bytes, the limit is %" PRIu64, file->name, size, limit);
+        return al_fail(error, AL_BAD_INPUT, "%s: has %zu bytes, the limit is %" PRIu64, file->name, size,
+                       limit);
     file->bytes = data;
     file->size = size;
     return AL_OK;
 }
 
 /* Parses what has been mapped or set; closes the file on failure. */
-static al_status finish_open(const al_open_options *options, al_status status, al_file **file, al_error *error)
+static al_status finish_open(const al_open_options *options, al_status status, al_file **file,
+                             al_error *error)
 {
     if (status == AL_OK) {
         al_report report = {.name = (*file)->name, .error = error};
@@ -304,13 +336,34 @@ void al_file_close(al_file *file)
 
 /* --- access --- */
 
-const char *al_file_name(const al_file *file) { return file->name; }
-al_kind al_file_kind(const al_file *file) { return file->kind; }
-uint64_t al_file_size(const al_file *file) { return file->size; }
-uint16_t al_file_major(const al_file *file) { return file->major; }
-uint16_t al_file_minor(const al_file *file) { return file->minor; }
-const char *al_file_writer(const al_file *file) { return file->writer; }
-size_t al_file_chunk_count(const al_file *file) { return file->chunk_count; }
+const char *al_file_name(const al_file *file)
+{
+    return file->name;
+}
+al_kind al_file_kind(const al_file *file)
+{
+    return file->kind;
+}
+uint64_t al_file_size(const al_file *file)
+{
+    return file->size;
+}
+uint16_t al_file_major(const al_file *file)
+{
+    return file->major;
+}
+uint16_t al_file_minor(const al_file *file)
+{
+    return file->minor;
+}
+const char *al_file_writer(const al_file *file)
+{
+    return file->writer;
+}
+size_t al_file_chunk_count(const al_file *file)
+{
+    return file->chunk_count;
+}
 
 const al_chunk *al_file_chunk(const al_file *file, size_t index)
 {
@@ -332,10 +385,13 @@ static void check_data(const al_file *file, size_t index, al_report *report)
     uint64_t computed = XXH64(bytes, (size_t)al_padded(c->size), 0);
     if (computed != c->checksum)
         al_report_finding(report, AL_RULE_CHUNK_CHECKSUM,
-                          "chunk %zu (%s, %" PRIu64 " bytes at offset %" PRIu64 "): its checksum is %016" PRIx64 ", stored is %016" PRIx64
-                          ": the file is damaged, bake it again", index, c->type, c->size, c->offset, computed, c->checksum);
+                          "chunk %zu (%s, %" PRIu64 " bytes at offset %" PRIu64
+                          "): its checksum is %016" PRIx64 ", stored is %016" PRIx64
+                          ": the file is damaged, bake it again",
+                          index, c->type, c->size, c->offset, computed, c->checksum);
     if (!al_all_zero(bytes + c->size, al_padded(c->size) - c->size))
-        al_report_finding(report, AL_RULE_CHUNK_PADDING, "chunk %zu (%s): the padding behind it is not zero", index, c->type);
+        al_report_finding(report, AL_RULE_CHUNK_PADDING, "chunk %zu (%s): the padding behind it is not zero",
+                          index, c->type);
 }
 
 al_status al_file_data(const al_file *file, size_t index, const void **data, size_t *size, al_error *error)
@@ -351,7 +407,8 @@ al_status al_file_data(const al_file *file, size_t index, const void **data, siz
 
 /* --- checking everything --- */
 
-static al_status check_all(al_file *file, al_status status, al_finding_fn *on_finding, void *user, al_error *error)
+static al_status check_all(al_file *file, al_status status, al_finding_fn *on_finding, void *user,
+                           al_error *error)
 {
     if (status == AL_OK) {
         al_report report = {.name = file->name, .on_finding = on_finding, .user = user, .error = error};
@@ -367,7 +424,8 @@ static al_status check_all(al_file *file, al_status status, al_finding_fn *on_fi
     return status;
 }
 
-al_status al_file_check_as(const char *path, const char *name, al_finding_fn *on_finding, void *user, al_error *error)
+al_status al_file_check_as(const char *path, const char *name, al_finding_fn *on_finding, void *user,
+                           al_error *error)
 {
     al_file *file;
     al_status status = make_file(name, &file, error);

@@ -4,6 +4,7 @@
 
 #include "airlight/container.h"
 
-al_status al_file_check_as(const char *path, const char *name, al_finding_fn *on_finding, void *user, al_error *error);
+al_status al_file_check_as(const char *path, const char *name, al_finding_fn *on_finding, void *user,
+                           al_error *error);
 
 #endif

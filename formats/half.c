@@ -30,7 +30,8 @@ uint16_t al_half_from_float(float value)
 
 float al_half_to_float(uint16_t half)
 {
-    uint32_t sign = (uint32_t)(half & 0x8000) << 16, exponent = half >> 10 & 31, fraction = half & 0x3ff, bits;
+    uint32_t sign = (uint32_t)(half & 0x8000) << 16, exponent = half >> 10 & 31, fraction = half & 0x3ff,
+             bits;
     if (exponent == 31) {
         bits = 0x7f800000 | fraction << 13;
     } else if (exponent) {

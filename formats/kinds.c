@@ -8,8 +8,8 @@ static const al_kind_rules lightmap = {.kind = AL_KIND_LIGHTMAP, .name = "lightm
 static const al_kind_rules probes = {.kind = AL_KIND_PROBES, .name = "probes"};
 static const al_kind_rules medium = {.kind = AL_KIND_MEDIUM, .name = "medium"};
 
-static const al_kind_rules *const kinds[] = {&al_scene_rules, &al_translucent_rules, &impulse_tables, &lightmap,
-                                             &probes, &medium};
+static const al_kind_rules *const kinds[] = {
+    &al_scene_rules, &al_translucent_rules, &impulse_tables, &lightmap, &probes, &medium};
 
 const al_kind_rules *al_kind_find(al_kind kind)
 {

@@ -7,7 +7,7 @@
 
 typedef struct al_chunk_rules {
     char type[5];
-    uint16_t version;  /* the newest that is read */
+    uint16_t version;          /* the newest that is read */
     uint32_t minimum, maximum; /* how often; maximum 0: any number */
 } al_chunk_rules;
 

@@ -1,4 +1,5 @@
-/* Numbers of the container's layout and little-endian access, byte by byte. Specification: docs/formats.md. */
+/* Numbers of the container's layout and little-endian access, byte by byte. Specification: docs/formats.md.
+ */
 #ifndef AIRLIGHT_LAYOUT_H
 #define AIRLIGHT_LAYOUT_H
 
@@ -46,9 +47,18 @@ static inline uint64_t al_get_bytes(const uint8_t *bytes, unsigned count)
     return value;
 }
 
-static inline uint16_t al_get_u16(const uint8_t *bytes) { return (uint16_t)al_get_bytes(bytes, 2); }
-static inline uint32_t al_get_u32(const uint8_t *bytes) { return (uint32_t)al_get_bytes(bytes, 4); }
-static inline uint64_t al_get_u64(const uint8_t *bytes) { return al_get_bytes(bytes, 8); }
+static inline uint16_t al_get_u16(const uint8_t *bytes)
+{
+    return (uint16_t)al_get_bytes(bytes, 2);
+}
+static inline uint32_t al_get_u32(const uint8_t *bytes)
+{
+    return (uint32_t)al_get_bytes(bytes, 4);
+}
+static inline uint64_t al_get_u64(const uint8_t *bytes)
+{
+    return al_get_bytes(bytes, 8);
+}
 
 static inline void al_put_bytes(uint8_t *bytes, uint64_t value, unsigned count)
 {

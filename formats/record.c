@@ -50,12 +50,16 @@ static bool encode_element(al_field_type type, const char *value, al_text_table 
     char *text;
     switch (type) {
     case AL_FIELD_U32:
-    case AL_FIELD_F32: memcpy(&small, value, 4); break;
+    case AL_FIELD_F32:
+        memcpy(&small, value, 4);
+        break;
     case AL_FIELD_BOOL:
         memcpy(&flag, value, sizeof flag);
         small = flag;
         break;
-    case AL_FIELD_F64: memcpy(&bits, value, 8); break;
+    case AL_FIELD_F64:
+        memcpy(&bits, value, 8);
+        break;
     case AL_FIELD_TEXT:
         memcpy(&text, value, sizeof text);
         if (!add_text(texts, text, &small)) return false;
@@ -69,20 +73,26 @@ static size_t memory_size(al_field_type type)
 {
     switch (type) {
     case AL_FIELD_U32:
-    case AL_FIELD_F32: return 4;
-    case AL_FIELD_BOOL: return sizeof(bool);
-    case AL_FIELD_F64: return 8;
-    case AL_FIELD_TEXT: break;
+    case AL_FIELD_F32:
+        return 4;
+    case AL_FIELD_BOOL:
+        return sizeof(bool);
+    case AL_FIELD_F64:
+        return 8;
+    case AL_FIELD_TEXT:
+        break;
     }
     return sizeof(char *);
 }
 
-bool al_record_encode(const al_record *record, const void *values, size_t count, al_text_table *texts, uint8_t *bytes)
+bool al_record_encode(const al_record *record, const void *values, size_t count, al_text_table *texts,
+                      uint8_t *bytes)
 {
     for (size_t r = 0; r < count; r++)
         for (const al_field *f = record->fields; f < record->fields + record->field_count; f++)
             for (uint32_t e = 0; e < f->count; e++, bytes += element_size(f->type)) {
-                const char *value = (const char *)values + r * record->stride + f->offset + e * memory_size(f->type);
+                const char *value =
+                    (const char *)values + r * record->stride + f->offset + e * memory_size(f->type);
                 if (!encode_element(f->type, value, texts, bytes)) return false;
             }
     return true;
@@ -101,13 +111,15 @@ static void check_number(const place *at, double value)
 {
     const al_field *f = at->field;
     if (!isfinite(value))
-        al_report_finding(at->report, AL_RULE_FINITE, "%s %zu: %s is not finite", at->record->type, at->index, f->name);
+        al_report_finding(at->report, AL_RULE_FINITE, "%s %zu: %s is not finite", at->record->type, at->index,
+                          f->name);
     else if (f->minimum <= f->maximum && !(value >= f->minimum && value <= f->maximum))
-        al_report_finding(at->report, AL_RULE_RANGE, "%s %zu: %s is %.9g, its range is %.9g to %.9g", at->record->type, at->index,
-                          f->name, value, f->minimum, f->maximum);
+        al_report_finding(at->report, AL_RULE_RANGE, "%s %zu: %s is %.9g, its range is %.9g to %.9g",
+                          at->record->type, at->index, f->name, value, f->minimum, f->maximum);
 }
 
-static void decode_element(const place *at, const uint8_t *bytes, const char *text, size_t text_size, char *value)
+static void decode_element(const place *at, const uint8_t *bytes, const char *text, size_t text_size,
+                           char *value)
 {
     uint32_t small = al_get_u32(bytes);
     float real;
@@ -134,12 +146,13 @@ static void decode_element(const place *at, const uint8_t *bytes, const char *te
         flag = small != 0;
         memcpy(value, &flag, sizeof flag);
         if (small > 1)
-            al_report_finding(at->report, AL_RULE_RANGE, "%s %zu: %s is %" PRIu32 ", its range is 0 to 1", at->record->type, at->index,
-                              at->field->name, small);
+            al_report_finding(at->report, AL_RULE_RANGE, "%s %zu: %s is %" PRIu32 ", its range is 0 to 1",
+                              at->record->type, at->index, at->field->name, small);
         break;
     case AL_FIELD_TEXT:
         if (small >= text_size) {
-            al_report_finding(at->report, AL_RULE_TEXT, "%s %zu: %s begins at offset %" PRIu32 ", chunk TEXT has %zu bytes",
+            al_report_finding(at->report, AL_RULE_TEXT,
+                              "%s %zu: %s begins at offset %" PRIu32 ", chunk TEXT has %zu bytes",
                               at->record->type, at->index, at->field->name, small, text_size);
             text = "";
             small = 0;
@@ -150,14 +163,15 @@ static void decode_element(const place *at, const uint8_t *bytes, const char *te
     }
 }
 
-void al_record_decode(const al_record *record, const uint8_t *bytes, size_t count, const char *text, size_t text_size,
-                      void *values, al_report *report)
+void al_record_decode(const al_record *record, const uint8_t *bytes, size_t count, const char *text,
+                      size_t text_size, void *values, al_report *report)
 {
     place at = {.record = record, .report = report};
     for (at.index = 0; at.index < count; at.index++)
         for (at.field = record->fields; at.field < record->fields + record->field_count; at.field++)
             for (uint32_t e = 0; e < at.field->count; e++, bytes += element_size(at.field->type)) {
-                char *value = (char *)values + at.index * record->stride + at.field->offset + e * memory_size(at.field->type);
+                char *value = (char *)values + at.index * record->stride + at.field->offset +
+                              e * memory_size(at.field->type);
                 decode_element(&at, bytes, text, text_size, value);
             }
 }

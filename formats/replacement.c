@@ -56,7 +56,8 @@ al_status al_replacement_write(al_replacement *replacement, uint64_t offset, con
 {
     const char *bytes = data;
     while (size) {
-        ssize_t written = pwrite(replacement->descriptor, bytes, size < WRITE_LIMIT ? size : WRITE_LIMIT, (off_t)offset);
+        ssize_t written =
+            pwrite(replacement->descriptor, bytes, size < WRITE_LIMIT ? size : WRITE_LIMIT, (off_t)offset);
         if (written < 0 && errno == EINTR) continue;
         if (written <= 0) {
             if (written == 0) errno = ENOSPC;

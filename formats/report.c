@@ -13,7 +13,8 @@ void al_report_finding(al_report *report, enum al_rule rule, const char *format,
     report->count++;
     if (report->on_finding) report->on_finding(report->user, rule, message);
     if (report->status == AL_OK)
-        report->status = al_fail(report->error, AL_BAD_INPUT, "%s: %s (rule %d)", report->name, message, (int)rule);
+        report->status =
+            al_fail(report->error, AL_BAD_INPUT, "%s: %s (rule %d)", report->name, message, (int)rule);
 }
 
 void al_report_out_of_memory(al_report *report)

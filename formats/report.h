@@ -9,12 +9,12 @@
 #include "rules.h"
 
 typedef struct al_report {
-    const char *name; /* of the file */
+    const char *name;          /* of the file */
     al_finding_fn *on_finding; /* may be NULL */
     void *user;
     al_error *error;
-    al_status status;       /* of the first finding or failure */
-    uint64_t count;         /* findings and failures so far */
+    al_status status; /* of the first finding or failure */
+    uint64_t count;   /* findings and failures so far */
 } al_report;
 
 void al_report_finding(al_report *report, enum al_rule rule, const char *format, ...) AL_PRINTF(3, 4);

@@ -57,8 +57,10 @@ enum { EDGE_LIMIT = 16384 }; /* pixels */
 #define INDEX(record, member) AL_FIELD(record, member, AL_FIELD_U32, 1, 1, 0) /* checked by its own rule */
 #define BOOL(record, member) AL_FIELD(record, member, AL_FIELD_BOOL, 1, 0, 1)
 #define TEXT(record, member) AL_FIELD(record, member, AL_FIELD_TEXT, 1, 0, 0)
-#define F32(record, member, count, minimum, maximum) AL_FIELD(record, member, AL_FIELD_F32, count, minimum, maximum)
-#define FREE(record, member, count) AL_FIELD(record, member, AL_FIELD_F32, count, 1, 0) /* any finite number */
+#define F32(record, member, count, minimum, maximum) \
+    AL_FIELD(record, member, AL_FIELD_F32, count, minimum, maximum)
+#define FREE(record, member, count) \
+    AL_FIELD(record, member, AL_FIELD_F32, count, 1, 0) /* any finite number */
 
 static const al_field scene_fields[] = {
     U32(al_scene, texture_count, 0, COUNT_LIMIT),
@@ -154,7 +156,10 @@ static const al_field camera_fields[] = {
     F32(al_camera, fov_y_radians, 1, 1e-6, AL_PI - 1e-6),
 };
 
-#define RECORD(type, record, fields) {type, sizeof(record), fields, COUNT_OF(fields)}
+#define RECORD(type, record, fields) \
+    { \
+        type, sizeof(record), fields, COUNT_OF(fields) \
+    }
 
 static const al_record scene_record = RECORD("SCEN", al_scene, scene_fields);
 static const al_record texture_record = RECORD("TEXR", al_texture, texture_fields);
@@ -186,7 +191,8 @@ typedef struct geometry_layout {
 static geometry_layout layout_of(const mesh_head *head)
 {
     const al_mesh *m = &head->mesh;
-    uint64_t sizes[ARRAY_COUNT] = {12ull * m->vertex_count, 12ull * m->vertex_count, head->has_uv0 ? 8ull * m->vertex_count : 0,
+    uint64_t sizes[ARRAY_COUNT] = {12ull * m->vertex_count, 12ull * m->vertex_count,
+                                   head->has_uv0 ? 8ull * m->vertex_count : 0,
                                    head->has_uv1 ? 8ull * m->vertex_count : 0, 4ull * m->index_count};
     geometry_layout l = {.size = 0};
     for (int i = 0; i < ARRAY_COUNT; i++) {
@@ -233,12 +239,15 @@ static void *read_records(reader *r, const al_record *record, uint32_t count)
     size_t size, wanted = al_record_size(record) * (size_t)count;
     if (!chunk_data(r, record->type, &bytes, &size)) return NULL;
     if (size != wanted) {
-        al_report_finding(r->report, AL_RULE_RECORD_SIZE, "%s: has %zu bytes, %" PRIu32 " records need %zu", record->type, size, count, wanted);
+        al_report_finding(r->report, AL_RULE_RECORD_SIZE, "%s: has %zu bytes, %" PRIu32 " records need %zu",
+                          record->type, size, count, wanted);
         return NULL;
     }
     void *values = al_scene_allocate(r->scene, record->stride * (size_t)count);
-    if (values) al_record_decode(record, bytes, count, r->text, r->text_size, values, r->report);
-    else al_report_out_of_memory(r->report);
+    if (values)
+        al_record_decode(record, bytes, count, r->text, r->text_size, values, r->report);
+    else
+        al_report_out_of_memory(r->report);
     return values;
 }
 
@@ -248,7 +257,8 @@ static bool read_head(reader *r)
     size_t size, wanted = al_record_size(&scene_record);
     if (!chunk_data(r, "SCEN", &bytes, &size)) return false;
     if (size != wanted) {
-        al_report_finding(r->report, AL_RULE_RECORD_SIZE, "SCEN: has %zu bytes, should have %zu", size, wanted);
+        al_report_finding(r->report, AL_RULE_RECORD_SIZE, "SCEN: has %zu bytes, should have %zu", size,
+                          wanted);
         return false;
     }
     uint64_t before = r->report->count;
@@ -268,14 +278,18 @@ static void check_chunk_count(reader *r, const char *type, uint32_t count, enum 
 {
     size_t found = 0;
     for (ptrdiff_t i = next_chunk(r->file, type, -1); i >= 0; i = next_chunk(r->file, type, i)) found++;
-    if (found != count) al_report_finding(r->report, rule, "%zu chunks %s, there should be %" PRIu32, found, type, count);
+    if (found != count)
+        al_report_finding(r->report, rule, "%zu chunks %s, there should be %" PRIu32, found, type, count);
 }
 
-static void check_finite(reader *r, const float *numbers, uint64_t count, const char *owner, uint32_t index, const char *what)
+static void check_finite(reader *r, const float *numbers, uint64_t count, const char *owner, uint32_t index,
+                         const char *what)
 {
     for (uint64_t i = 0; i < count; i++)
         if (!isfinite(numbers[i])) {
-            al_report_finding(r->report, AL_RULE_FINITE, "%s %" PRIu32 ": number %" PRIu64 " of the %s is not finite", owner, index, i, what);
+            al_report_finding(r->report, AL_RULE_FINITE,
+                              "%s %" PRIu32 ": number %" PRIu64 " of the %s is not finite", owner, index, i,
+                              what);
             return;
         }
 }
@@ -294,15 +308,19 @@ static void check_mesh(reader *r, const al_mesh *m, uint32_t index)
     for (uint32_t v = 0; v < m->vertex_count; v++)
         if (!is_unit(m->normals + 3 * (size_t)v)) {
             const float *n = m->normals + 3 * (size_t)v;
-            al_report_finding(r->report, AL_RULE_SCENE_UNIT, "mesh %" PRIu32 " (%s): normal %" PRIu32 " is (%g, %g, %g)", index, m->name, v,
+            al_report_finding(r->report, AL_RULE_SCENE_UNIT,
+                              "mesh %" PRIu32 " (%s): normal %" PRIu32 " is (%g, %g, %g)", index, m->name, v,
                               (double)n[0], (double)n[1], (double)n[2]);
             break;
         }
-    if (m->index_count % 3) al_report_finding(r->report, AL_RULE_SCENE_TRIANGLES, "mesh %" PRIu32 " (%s): %" PRIu32 " indices", index, m->name, m->index_count);
+    if (m->index_count % 3)
+        al_report_finding(r->report, AL_RULE_SCENE_TRIANGLES, "mesh %" PRIu32 " (%s): %" PRIu32 " indices",
+                          index, m->name, m->index_count);
     for (uint32_t i = 0; i < m->index_count; i++)
         if (m->indices[i] >= m->vertex_count) {
-            al_report_finding(r->report, AL_RULE_SCENE_INDEX, "mesh %" PRIu32 " (%s): index %" PRIu32 " names vertex %" PRIu32 " of %" PRIu32, index, m->name,
-                              i, m->indices[i], m->vertex_count);
+            al_report_finding(r->report, AL_RULE_SCENE_INDEX,
+                              "mesh %" PRIu32 " (%s): index %" PRIu32 " names vertex %" PRIu32 " of %" PRIu32,
+                              index, m->name, i, m->indices[i], m->vertex_count);
             break;
         }
 }
@@ -321,14 +339,16 @@ static void read_geometry(reader *r, const mesh_head *head, uint32_t index, ptrd
     size_t size;
     if (!al_report_data(r->report, r->file, (size_t)chunk, &data, &size)) return;
     if (size != l.size) {
-        al_report_finding(r->report, AL_RULE_SCENE_GEOMETRY_SIZE, "mesh %" PRIu32 " (%s): its chunk GEOM has %zu bytes, it needs %" PRIu64, index, m->name, size,
-                          l.size);
+        al_report_finding(r->report, AL_RULE_SCENE_GEOMETRY_SIZE,
+                          "mesh %" PRIu32 " (%s): its chunk GEOM has %zu bytes, it needs %" PRIu64, index,
+                          m->name, size, l.size);
         return;
     }
     const uint8_t *bytes = data;
     for (int i = 1; i < ARRAY_COUNT; i++)
         if (!al_all_zero(bytes + l.end[i - 1], l.begin[i] - l.end[i - 1])) {
-            al_report_finding(r->report, AL_RULE_SCENE_GEOMETRY_PADDING, "mesh %" PRIu32 " (%s): bytes between its arrays are not zero", index, m->name);
+            al_report_finding(r->report, AL_RULE_SCENE_GEOMETRY_PADDING,
+                              "mesh %" PRIu32 " (%s): bytes between its arrays are not zero", index, m->name);
             break;
         }
     m->positions = in_place(bytes, l.begin[POSITIONS]);
@@ -343,12 +363,17 @@ static void check_submeshes(reader *r, const al_mesh *m, uint32_t index)
 {
     for (uint32_t s = 0; s < m->submesh_count; s++) {
         const al_submesh *part = &m->submeshes[s];
-        if (part->first_index % 3 || part->index_count % 3 || (uint64_t)part->first_index + part->index_count > m->index_count)
-            al_report_finding(r->report, AL_RULE_SCENE_SUBMESHES, "mesh %" PRIu32 " (%s), submesh %" PRIu32 ": %" PRIu32 " indices from %" PRIu32 " on, of %" PRIu32,
+        if (part->first_index % 3 || part->index_count % 3 ||
+            (uint64_t)part->first_index + part->index_count > m->index_count)
+            al_report_finding(r->report, AL_RULE_SCENE_SUBMESHES,
+                              "mesh %" PRIu32 " (%s), submesh %" PRIu32 ": %" PRIu32 " indices from %" PRIu32
+                              " on, of %" PRIu32,
                               index, m->name, s, part->index_count, part->first_index, m->index_count);
         if (part->material >= r->scene->material_count)
-            al_report_finding(r->report, AL_RULE_SCENE_INDEX, "mesh %" PRIu32 " (%s), submesh %" PRIu32 ": names material %" PRIu32 " of %" PRIu32, index, m->name, s,
-                              part->material, r->scene->material_count);
+            al_report_finding(r->report, AL_RULE_SCENE_INDEX,
+                              "mesh %" PRIu32 " (%s), submesh %" PRIu32 ": names material %" PRIu32
+                              " of %" PRIu32,
+                              index, m->name, s, part->material, r->scene->material_count);
     }
 }
 
@@ -400,8 +425,12 @@ static bool read_textures(reader *r)
         al_texture *t = &scene->textures[i];
         uint64_t wanted = 4ull * t->width * t->height;
         if (!al_report_data(r->report, r->file, (size_t)chunk, &data, &size)) continue;
-        if (size == wanted) t->pixels = in_place(data, 0);
-        else al_report_finding(r->report, AL_RULE_SCENE_PIXEL_SIZE, "texture %" PRIu32 " (%s): its chunk PIXL has %zu bytes, it needs %" PRIu64, i, t->name, size, wanted);
+        if (size == wanted)
+            t->pixels = in_place(data, 0);
+        else
+            al_report_finding(r->report, AL_RULE_SCENE_PIXEL_SIZE,
+                              "texture %" PRIu32 " (%s): its chunk PIXL has %zu bytes, it needs %" PRIu64, i,
+                              t->name, size, wanted);
     }
     return true;
 }
@@ -415,31 +444,37 @@ static void read_environment(reader *r)
     uint64_t wanted = 12ull * e->width * e->height;
     if (chunk >= 0 && !al_report_data(r->report, r->file, (size_t)chunk, &data, &size)) return;
     if ((e->width == 0) != (e->height == 0) || (chunk >= 0) != (wanted > 0) || size != wanted) {
-        al_report_finding(r->report, AL_RULE_SCENE_ENVIRONMENT, "%" PRIu32 " x %" PRIu32 " pixels need %" PRIu64 " bytes, chunk ENVM %s %zu", e->width, e->height,
-                          wanted, chunk >= 0 ? "has" : "is missing:", size);
+        al_report_finding(r->report, AL_RULE_SCENE_ENVIRONMENT,
+                          "%" PRIu32 " x %" PRIu32 " pixels need %" PRIu64 " bytes, chunk ENVM %s %zu",
+                          e->width, e->height, wanted, chunk >= 0 ? "has" : "is missing:", size);
         return;
     }
     e->pixels = data ? in_place(data, 0) : NULL;
     for (uint64_t i = 0; i < wanted / 4; i++)
         if (!(e->pixels[i] >= 0 && e->pixels[i] <= FLT_MAX)) {
-            al_report_finding(r->report, isfinite(e->pixels[i]) ? AL_RULE_RANGE : AL_RULE_FINITE, "environment: number %" PRIu64 " is %g", i, (double)e->pixels[i]);
+            al_report_finding(r->report, isfinite(e->pixels[i]) ? AL_RULE_RANGE : AL_RULE_FINITE,
+                              "environment: number %" PRIu64 " is %g", i, (double)e->pixels[i]);
             return;
         }
 }
 
-static void check_index(reader *r, uint32_t index, uint32_t count, const char *owner, uint32_t number, const char *what)
+static void check_index(reader *r, uint32_t index, uint32_t count, const char *owner, uint32_t number,
+                        const char *what)
 {
     if (index >= count)
-        al_report_finding(r->report, AL_RULE_SCENE_INDEX, "%s %" PRIu32 ": names %s %" PRIu32 " of %" PRIu32, owner, number, what, index, count);
+        al_report_finding(r->report, AL_RULE_SCENE_INDEX, "%s %" PRIu32 ": names %s %" PRIu32 " of %" PRIu32,
+                          owner, number, what, index, count);
 }
 
 static void check_materials(reader *r)
 {
     for (uint32_t i = 0; i < r->scene->material_count; i++) {
         const al_material *m = &r->scene->materials[i];
-        uint32_t textures[] = {m->base_color_texture, m->emission_texture, m->metallic_roughness_texture, m->normal_texture};
+        uint32_t textures[] = {m->base_color_texture, m->emission_texture, m->metallic_roughness_texture,
+                               m->normal_texture};
         for (size_t t = 0; t < COUNT_OF(textures); t++)
-            if (textures[t] != AL_NO_INDEX) check_index(r, textures[t], r->scene->texture_count, "material", i, "texture");
+            if (textures[t] != AL_NO_INDEX)
+                check_index(r, textures[t], r->scene->texture_count, "material", i, "texture");
     }
 }
 
@@ -450,14 +485,16 @@ static void check_instances(reader *r)
         const al_instance *in = &s->instances[i];
         check_index(r, in->mesh, s->mesh_count, "instance", i, "mesh");
         if ((in->role == AL_ROLE_OPAQUE) != (in->translucent == AL_NO_INDEX))
-            al_report_finding(r->report, AL_RULE_SCENE_ROLE, "instance %" PRIu32 " (%s): role %" PRIu32 " with translucent object %" PRIu32, i, in->name, in->role,
-                              in->translucent);
+            al_report_finding(r->report, AL_RULE_SCENE_ROLE,
+                              "instance %" PRIu32 " (%s): role %" PRIu32 " with translucent object %" PRIu32,
+                              i, in->name, in->role, in->translucent);
         else if (in->role != AL_ROLE_OPAQUE)
             check_index(r, in->translucent, s->translucent_count, "instance", i, "translucent object");
         const float *w = in->world;
         if (w[3] != 0 || w[7] != 0 || w[11] != 0 || w[15] != 1)
-            al_report_finding(r->report, AL_RULE_SCENE_AFFINE, "instance %" PRIu32 " (%s): the last row is %g %g %g %g", i, in->name, (double)w[3], (double)w[7],
-                              (double)w[11], (double)w[15]);
+            al_report_finding(r->report, AL_RULE_SCENE_AFFINE,
+                              "instance %" PRIu32 " (%s): the last row is %g %g %g %g", i, in->name,
+                              (double)w[3], (double)w[7], (double)w[11], (double)w[15]);
     }
 }
 
@@ -476,11 +513,16 @@ static void check_translucents(reader *r)
         const al_translucent_object *t = &s->translucents[i];
         check_index(r, t->instance, s->instance_count, "translucent object", i, "instance");
         check_index(r, t->medium, s->medium_count, "translucent object", i, "medium");
-        if (t->instance < s->instance_count &&
-            (s->instances[t->instance].role != AL_ROLE_TRANSLUCENT || s->instances[t->instance].translucent != i))
-            al_report_finding(r->report, AL_RULE_SCENE_BOUNDARY, "translucent object %" PRIu32 " (%s): instance %" PRIu32 " is not its boundary", i, t->name, t->instance);
+        if (t->instance < s->instance_count && (s->instances[t->instance].role != AL_ROLE_TRANSLUCENT ||
+                                                s->instances[t->instance].translucent != i))
+            al_report_finding(r->report, AL_RULE_SCENE_BOUNDARY,
+                              "translucent object %" PRIu32 " (%s): instance %" PRIu32 " is not its boundary",
+                              i, t->name, t->instance);
         if (!is_plain_name(t->asset))
-            al_report_finding(r->report, AL_RULE_SCENE_ASSET, "translucent object %" PRIu32 " (%s): the asset's name holds a folder or a control character", i, t->name);
+            al_report_finding(r->report, AL_RULE_SCENE_ASSET,
+                              "translucent object %" PRIu32
+                              " (%s): the asset's name holds a folder or a control character",
+                              i, t->name);
     }
 }
 
@@ -489,12 +531,16 @@ static void check_lights_and_cameras(reader *r)
     const al_scene *s = r->scene;
     for (uint32_t i = 0; i < s->light_count; i++)
         if (s->lights[i].type == AL_LIGHT_DIRECTIONAL && !is_unit(s->lights[i].vector))
-            al_report_finding(r->report, AL_RULE_SCENE_UNIT, "light %" PRIu32 " (%s): its direction is not of unit length", i, s->lights[i].name);
+            al_report_finding(r->report, AL_RULE_SCENE_UNIT,
+                              "light %" PRIu32 " (%s): its direction is not of unit length", i,
+                              s->lights[i].name);
     for (uint32_t i = 0; i < s->camera_count; i++) {
         const al_camera *c = &s->cameras[i];
-        bool on_target = c->position[0] == c->target[0] && c->position[1] == c->target[1] && c->position[2] == c->target[2];
+        bool on_target = c->position[0] == c->target[0] && c->position[1] == c->target[1] &&
+                         c->position[2] == c->target[2];
         if (on_target || (c->up[0] == 0 && c->up[1] == 0 && c->up[2] == 0))
-            al_report_finding(r->report, AL_RULE_SCENE_CAMERA, "camera %" PRIu32 " (%s): %s", i, c->name, on_target ? "stands on its target" : "has no up direction");
+            al_report_finding(r->report, AL_RULE_SCENE_CAMERA, "camera %" PRIu32 " (%s): %s", i, c->name,
+                              on_target ? "stands on its target" : "has no up direction");
     }
     if (!s->camera_count) al_report_finding(r->report, AL_RULE_SCENE_CAMERAS, "there is no camera");
 }
@@ -514,7 +560,9 @@ static void read_scene(const al_file *file, al_scene *scene, al_report *report)
     scene->lights = read_records(&r, &light_record, scene->light_count);
     scene->cameras = read_records(&r, &camera_record, scene->camera_count);
     read_environment(&r);
-    if (!good || !scene->instances || !scene->media || !scene->translucents || !scene->lights || !scene->cameras) return;
+    if (!good || !scene->instances || !scene->media || !scene->translucents || !scene->lights ||
+        !scene->cameras)
+        return;
     check_materials(&r);
     check_instances(&r);
     check_translucents(&r);
@@ -525,7 +573,8 @@ al_status al_scene_read(const al_file *file, al_scene *scene, al_error *error)
 {
     *scene = (al_scene){0};
     if (al_file_kind(file) != AL_KIND_SCENE)
-        return al_fail(error, AL_BAD_INPUT, "%s: is an asset of kind %s, wanted is scene", al_file_name(file), al_kind_name(al_file_kind(file)));
+        return al_fail(error, AL_BAD_INPUT, "%s: is an asset of kind %s, wanted is scene", al_file_name(file),
+                       al_kind_name(al_file_kind(file)));
     al_report report = {.name = al_file_name(file), .error = error};
     read_scene(file, scene, &report);
     if (report.status != AL_OK) al_scene_free(scene);
@@ -551,7 +600,8 @@ typedef struct encoded {
 } encoded;
 
 /* What is stored of the meshes besides their arrays; free() both. */
-static bool gather_meshes(const al_scene *scene, mesh_head **heads, al_submesh **submeshes, size_t *submesh_count)
+static bool gather_meshes(const al_scene *scene, mesh_head **heads, al_submesh **submeshes,
+                          size_t *submesh_count)
 {
     size_t next = 0;
     *submesh_count = 0;
@@ -582,11 +632,13 @@ static al_status add_geometry(al_writer *writer, const char *path, const mesh_he
     return status;
 }
 
-static al_status add_arrays(al_writer *writer, const char *path, const al_scene *scene, const mesh_head *heads, al_error *error)
+static al_status add_arrays(al_writer *writer, const char *path, const al_scene *scene,
+                            const mesh_head *heads, al_error *error)
 {
     al_status status = AL_OK;
     const al_environment *e = &scene->environment;
-    for (uint32_t i = 0; i < scene->mesh_count && status == AL_OK; i++) status = add_geometry(writer, path, &heads[i], error);
+    for (uint32_t i = 0; i < scene->mesh_count && status == AL_OK; i++)
+        status = add_geometry(writer, path, &heads[i], error);
     for (uint32_t i = 0; i < scene->texture_count && status == AL_OK; i++) {
         const al_texture *t = &scene->textures[i];
         status = al_writer_add(writer, "PIXL", 1, 0, t->pixels, (size_t)t->width * t->height * 4, error);
@@ -599,7 +651,8 @@ static al_status add_arrays(al_writer *writer, const char *path, const al_scene 
 static al_status encode(const char *path, encoded *chunk, al_text_table *texts, al_error *error)
 {
     chunk->bytes = malloc(al_record_size(chunk->record) * chunk->count + 1);
-    if (chunk->bytes && al_record_encode(chunk->record, chunk->values, chunk->count, texts, chunk->bytes)) return AL_OK;
+    if (chunk->bytes && al_record_encode(chunk->record, chunk->values, chunk->count, texts, chunk->bytes))
+        return AL_OK;
     return al_fail(error, AL_IO, "%s: out of memory for chunk %s", path, chunk->record->type);
 }
 
@@ -611,15 +664,19 @@ static al_status add_records(al_writer *writer, const char *path, encoded *all, 
     for (size_t i = 0; i < count && status == AL_OK; i++) {
         status = encode(path, &all[i], &texts, error);
         if (status == AL_OK)
-            status = al_writer_add(writer, all[i].record->type, 1, 0, all[i].bytes, al_record_size(all[i].record) * all[i].count, error);
+            status = al_writer_add(writer, all[i].record->type, 1, 0, all[i].bytes,
+                                   al_record_size(all[i].record) * all[i].count, error);
         free(all[i].bytes);
     }
-    if (status == AL_OK) status = al_writer_add(writer, "TEXT", 1, 0, texts.size ? texts.bytes : "", texts.size ? texts.size : 1, error);
+    if (status == AL_OK)
+        status = al_writer_add(writer, "TEXT", 1, 0, texts.size ? texts.bytes : "",
+                               texts.size ? texts.size : 1, error);
     free(texts.bytes);
     return status;
 }
 
-al_status al_scene_write(const char *path, const al_scene *scene, const char *provenance_json, uint64_t *bytes, al_error *error)
+al_status al_scene_write(const char *path, const al_scene *scene, const char *provenance_json,
+                         uint64_t *bytes, al_error *error)
 {
     al_writer *writer = NULL;
     mesh_head *heads = NULL;
@@ -647,7 +704,8 @@ al_status al_scene_write(const char *path, const al_scene *scene, const char *pr
     if (status == AL_OK) status = add_records(writer, path, all, COUNT_OF(all), error);
     if (status == AL_OK) status = add_arrays(writer, path, scene, heads, error);
     if (status == AL_OK && provenance_json)
-        status = al_writer_add(writer, "PROV", 1, AL_CHUNK_OPTIONAL, provenance_json, strlen(provenance_json), error);
+        status = al_writer_add(writer, "PROV", 1, AL_CHUNK_OPTIONAL, provenance_json, strlen(provenance_json),
+                               error);
     if (status == AL_OK) {
         status = al_writer_commit(writer, bytes, error);
         writer = NULL;

@@ -13,7 +13,8 @@ void al_sh_basis_f(int order, const float direction[3], float *basis)
 
 /* Nodes and weights of Gauss-Legendre quadrature with `count` points: the roots of the Legendre polynomial P,
  * by Newton's method from cos(pi (i + 3/4) / (count + 1/2)), with P and its derivative from the recurrence
- * n P(n) = (2n-1) z P(n-1) - (n-1) P(n-2),  (z^2 - 1) P'(n) = n (z P(n) - P(n-1)); weight 2 / ((1 - z^2) P'^2). */
+ * n P(n) = (2n-1) z P(n-1) - (n-1) P(n-2),  (z^2 - 1) P'(n) = n (z P(n) - P(n-1)); weight 2 / ((1 - z^2)
+ * P'^2). */
 static void gauss_legendre(int count, double nodes[], double weights[])
 {
     enum { STEPS = 8 }; /* quadratic convergence from a start that is good to 1 % */
@@ -48,7 +49,8 @@ void al_sh_rotate(int order, const float rotation[9], const float *in, float *ou
     for (int i = 0; i < order * steps; i++) {
         double z = nodes[i / steps], radius = sqrt(1 - z * z), angle = 2 * AL_PI * (i % steps) / steps;
         double w[3] = {radius * cos(angle), radius * sin(angle), z}, back[3], value = 0;
-        for (int k = 0; k < 3; k++) back[k] = rotation[k] * w[0] + rotation[3 + k] * w[1] + rotation[6 + k] * w[2];
+        for (int k = 0; k < 3; k++)
+            back[k] = rotation[k] * w[0] + rotation[3 + k] * w[1] + rotation[6 + k] * w[2];
         al_sh_basis(order, back[0], back[1], back[2], there);
         al_sh_basis(order, w[0], w[1], w[2], here);
         for (int k = 0; k < count; k++) value += in[k] * there[k];

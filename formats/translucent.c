@@ -16,7 +16,8 @@
 enum { GRID_EDGE_LIMIT = 4096, DEFAULT_PAGE_SIZE = 4096, BYTE_STEPS = 127 };
 
 #define COUNT_LIMIT (UINT32_MAX / 2)
-#define FIELD(member, type, count, minimum, maximum) AL_FIELD(al_translucent_info, member, type, count, minimum, maximum)
+#define FIELD(member, type, count, minimum, maximum) \
+    AL_FIELD(al_translucent_info, member, type, count, minimum, maximum)
 
 /* |g| below 1: the float before it. */
 #define G_LIMIT 0.99999994
@@ -47,7 +48,8 @@ static const al_field info_fields[] = {
     FIELD(unity_worst, AL_FIELD_F32, 1, 0, FLT_MAX),
 };
 
-static const al_record info_record = {"INFO", sizeof(al_translucent_info), info_fields, sizeof info_fields / sizeof *info_fields};
+static const al_record info_record = {"INFO", sizeof(al_translucent_info), info_fields,
+                                      sizeof info_fields / sizeof *info_fields};
 
 /* --- sizes --- */
 
@@ -65,11 +67,13 @@ typedef struct page_layout {
 static page_layout layout_of(const al_translucent_info *info, uint32_t count)
 {
     page_layout l;
-    uint64_t scales_size = info->format == AL_COEFFICIENT_BYTE ? (uint64_t)count * info->channel_count * 4 : 0;
+    uint64_t scales_size =
+        info->format == AL_COEFFICIENT_BYTE ? (uint64_t)count * info->channel_count * 4 : 0;
     l.gaussians = al_padded((uint64_t)count * 12);
     l.scales = l.gaussians + al_padded((uint64_t)count * 16);
     l.coefficients = l.scales + al_padded(scales_size);
-    l.size = l.coefficients + (uint64_t)count * info->channel_count * info->order * info->order * coefficient_size(info->format);
+    l.size = l.coefficients + (uint64_t)count * info->channel_count * info->order * info->order *
+                                  coefficient_size(info->format);
     return l;
 }
 
@@ -96,19 +100,24 @@ static void check_info(const al_translucent_info *info, al_report *report)
     if (info->channel_count == 2)
         al_report_finding(report, AL_RULE_TRANSLUCENT_CHANNELS, "INFO: channel_count is 2, it can be 1 or 3");
     if (info->direction_count % 2)
-        al_report_finding(report, AL_RULE_TRANSLUCENT_DIRECTIONS, "INFO: direction_count is %" PRIu32 ", it must be even", info->direction_count);
+        al_report_finding(report, AL_RULE_TRANSLUCENT_DIRECTIONS,
+                          "INFO: direction_count is %" PRIu32 ", it must be even", info->direction_count);
     for (int i = 0; i < 3; i++)
         if (info->bounds_min_m[i] > info->bounds_max_m[i])
-            al_report_finding(report, AL_RULE_TRANSLUCENT_BOUNDS, "INFO: bounds_min_m[%d] is %g, above bounds_max_m[%d], %g", i,
+            al_report_finding(report, AL_RULE_TRANSLUCENT_BOUNDS,
+                              "INFO: bounds_min_m[%d] is %g, above bounds_max_m[%d], %g", i,
                               (double)info->bounds_min_m[i], i, (double)info->bounds_max_m[i]);
 }
 
 static void check_page_count(const al_file *file, const al_translucent_info *info, al_report *report)
 {
     uint32_t expected = al_translucent_page_count(info), found = 0;
-    for (size_t i = 0; i < al_file_chunk_count(file); i++) found += !memcmp(al_file_chunk(file, i)->type, "PAGE", 4);
+    for (size_t i = 0; i < al_file_chunk_count(file); i++)
+        found += !memcmp(al_file_chunk(file, i)->type, "PAGE", 4);
     if (found != expected)
-        al_report_finding(report, AL_RULE_TRANSLUCENT_PAGES, "%" PRIu32 " samples in pages of %" PRIu32 " fill %" PRIu32 " pages, there are %" PRIu32,
+        al_report_finding(report, AL_RULE_TRANSLUCENT_PAGES,
+                          "%" PRIu32 " samples in pages of %" PRIu32 " fill %" PRIu32
+                          " pages, there are %" PRIu32,
                           info->sample_count, info->page_size, expected, found);
 }
 
@@ -136,8 +145,8 @@ al_status al_translucent_read(const al_file *file, al_translucent_info *info, al
 {
     *info = (al_translucent_info){0};
     if (al_file_kind(file) != AL_KIND_TRANSLUCENT)
-        return al_fail(error, AL_BAD_INPUT, "%s: is an asset of kind %s, wanted is translucent", al_file_name(file),
-                       al_kind_name(al_file_kind(file)));
+        return al_fail(error, AL_BAD_INPUT, "%s: is an asset of kind %s, wanted is translucent",
+                       al_file_name(file), al_kind_name(al_file_kind(file)));
     al_report report = {.name = al_file_name(file), .error = error};
     if (!read_info(file, info, &report)) *info = (al_translucent_info){0};
     return report.status;
@@ -151,29 +160,39 @@ static size_t first_not_finite(const float *numbers, size_t count)
     return i;
 }
 
-static void check_finite(const float *numbers, size_t count, const char *what, uint32_t page, al_report *report)
+static void check_finite(const float *numbers, size_t count, const char *what, uint32_t page,
+                         al_report *report)
 {
     size_t bad = first_not_finite(numbers, count);
-    if (bad < count) al_report_finding(report, AL_RULE_FINITE, "page %" PRIu32 ": number %zu of the %s is not finite", page, bad, what);
+    if (bad < count)
+        al_report_finding(report, AL_RULE_FINITE, "page %" PRIu32 ": number %zu of the %s is not finite",
+                          page, bad, what);
 }
 
-static void check_coefficients(const al_translucent_info *info, const al_translucent_page *page, uint32_t index, al_report *report)
+static void check_coefficients(const al_translucent_info *info, const al_translucent_page *page,
+                               uint32_t index, al_report *report)
 {
-    size_t sets = (size_t)page->count * info->channel_count, count = sets * info->order * info->order, bad = 0;
+    size_t sets = (size_t)page->count * info->channel_count, count = sets * info->order * info->order,
+           bad = 0;
     if (info->format == AL_COEFFICIENT_FLOAT) {
         check_finite(page->coefficients, count, "coefficients", index, report);
     } else if (info->format == AL_COEFFICIENT_HALF) {
         const uint16_t *halves = page->coefficients;
         while (bad < count && (halves[bad] & 0x7c00) != 0x7c00) bad++;
-        if (bad < count) al_report_finding(report, AL_RULE_FINITE, "page %" PRIu32 ": number %zu of the coefficients is not finite", index, bad);
+        if (bad < count)
+            al_report_finding(report, AL_RULE_FINITE,
+                              "page %" PRIu32 ": number %zu of the coefficients is not finite", index, bad);
     } else {
         check_finite(page->scales, sets, "scales", index, report);
         for (size_t i = 0; i < sets; i++)
             if (page->scales[i] < 0) {
-                al_report_finding(report, AL_RULE_TRANSLUCENT_SCALE, "page %" PRIu32 ": scale %zu is %g", index, i, (double)page->scales[i]);
+                al_report_finding(report, AL_RULE_TRANSLUCENT_SCALE, "page %" PRIu32 ": scale %zu is %g",
+                                  index, i, (double)page->scales[i]);
                 break;
             }
-        if (memchr(page->coefficients, 0x80, count)) al_report_finding(report, AL_RULE_TRANSLUCENT_BYTE, "page %" PRIu32 ": a coefficient is -128", index);
+        if (memchr(page->coefficients, 0x80, count))
+            al_report_finding(report, AL_RULE_TRANSLUCENT_BYTE, "page %" PRIu32 ": a coefficient is -128",
+                              index);
     }
 }
 
@@ -185,11 +204,14 @@ static bool gaussian_is_good(const float g[4])
 static bool sample_is_inside(const al_translucent_info *info, const float position[3], float radius)
 {
     for (int i = 0; i < 3; i++)
-        if (position[i] < (double)info->bounds_min_m[i] - radius || position[i] > (double)info->bounds_max_m[i] + radius) return false;
+        if (position[i] < (double)info->bounds_min_m[i] - radius ||
+            position[i] > (double)info->bounds_max_m[i] + radius)
+            return false;
     return true;
 }
 
-static void check_samples(const al_translucent_info *info, const al_translucent_page *page, uint32_t index, al_report *report)
+static void check_samples(const al_translucent_info *info, const al_translucent_page *page, uint32_t index,
+                          al_report *report)
 {
     check_finite(page->positions, 3 * (size_t)page->count, "positions", index, report);
     check_finite(page->gaussians, 4 * (size_t)page->count, "gaussians", index, report);
@@ -197,20 +219,22 @@ static void check_samples(const al_translucent_info *info, const al_translucent_
     for (uint32_t i = 0; i < page->count && (shapes || places); i++) {
         const float *b = page->positions + 3 * (size_t)i, *g = page->gaussians + 4 * (size_t)i;
         if (shapes && !gaussian_is_good(g)) {
-            al_report_finding(report, AL_RULE_TRANSLUCENT_GAUSSIAN, "page %" PRIu32 ", sample %" PRIu32 ": a %g, weight %g, radius %g, density %g",
+            al_report_finding(report, AL_RULE_TRANSLUCENT_GAUSSIAN,
+                              "page %" PRIu32 ", sample %" PRIu32 ": a %g, weight %g, radius %g, density %g",
                               index, page->first + i, (double)g[0], (double)g[1], (double)g[2], (double)g[3]);
             shapes = false;
         }
         if (places && !sample_is_inside(info, b, g[2])) {
-            al_report_finding(report, AL_RULE_TRANSLUCENT_INSIDE, "page %" PRIu32 ", sample %" PRIu32 ": (%g, %g, %g) lies outside the bounds",
+            al_report_finding(report, AL_RULE_TRANSLUCENT_INSIDE,
+                              "page %" PRIu32 ", sample %" PRIu32 ": (%g, %g, %g) lies outside the bounds",
                               index, page->first + i, (double)b[0], (double)b[1], (double)b[2]);
             places = false;
         }
     }
 }
 
-static bool read_page(const al_file *file, const al_translucent_info *info, uint32_t index, size_t chunk, al_translucent_page *page,
-                      al_report *report)
+static bool read_page(const al_file *file, const al_translucent_info *info, uint32_t index, size_t chunk,
+                      al_translucent_page *page, al_report *report)
 {
     const void *data;
     size_t size;
@@ -219,23 +243,27 @@ static bool read_page(const al_file *file, const al_translucent_info *info, uint
     *page = (al_translucent_page){0};
     if (!al_report_data(report, file, chunk, &data, &size)) return false;
     if (size != l.size) {
-        al_report_finding(report, AL_RULE_TRANSLUCENT_PAGE_SIZE, "page %" PRIu32 ": has %zu bytes, %" PRIu32 " samples need %" PRIu64, index,
-                          size, count, l.size);
+        al_report_finding(report, AL_RULE_TRANSLUCENT_PAGE_SIZE,
+                          "page %" PRIu32 ": has %zu bytes, %" PRIu32 " samples need %" PRIu64, index, size,
+                          count, l.size);
         return false;
     }
     const uint8_t *bytes = data;
     bool has_scales = info->format == AL_COEFFICIENT_BYTE;
     uint64_t scales_end = l.scales + (has_scales ? (uint64_t)count * info->channel_count * 4 : 0);
     if (!al_all_zero(bytes + (uint64_t)count * 12, l.gaussians - (uint64_t)count * 12) ||
-        !al_all_zero(bytes + l.gaussians + (uint64_t)count * 16, l.scales - l.gaussians - (uint64_t)count * 16) ||
+        !al_all_zero(bytes + l.gaussians + (uint64_t)count * 16,
+                     l.scales - l.gaussians - (uint64_t)count * 16) ||
         !al_all_zero(bytes + scales_end, l.coefficients - scales_end))
-        al_report_finding(report, AL_RULE_TRANSLUCENT_PAGE_PADDING, "page %" PRIu32 ": bytes between its arrays are not zero", index);
-    *page = (al_translucent_page){.first = index * info->page_size,
-                                  .count = count,
-                                  .positions = (const float *)data,
-                                  .gaussians = (const float *)(const void *)(bytes + l.gaussians),
-                                  .scales = has_scales ? (const float *)(const void *)(bytes + l.scales) : NULL,
-                                  .coefficients = bytes + l.coefficients};
+        al_report_finding(report, AL_RULE_TRANSLUCENT_PAGE_PADDING,
+                          "page %" PRIu32 ": bytes between its arrays are not zero", index);
+    *page =
+        (al_translucent_page){.first = index * info->page_size,
+                              .count = count,
+                              .positions = (const float *)data,
+                              .gaussians = (const float *)(const void *)(bytes + l.gaussians),
+                              .scales = has_scales ? (const float *)(const void *)(bytes + l.scales) : NULL,
+                              .coefficients = bytes + l.coefficients};
     check_samples(info, page, index, report);
     check_coefficients(info, page, index, report);
     return true;
@@ -254,8 +282,8 @@ al_status al_translucent_read_page(const al_file *file, const al_translucent_inf
     return report.status;
 }
 
-static void read_grid(const al_file *file, const al_translucent_info *info, const uint16_t **density, const uint8_t **blockers,
-                      al_report *report)
+static void read_grid(const al_file *file, const al_translucent_info *info, const uint16_t **density,
+                      const uint8_t **blockers, al_report *report)
 {
     const void *data;
     size_t size;
@@ -263,19 +291,27 @@ static void read_grid(const al_file *file, const al_translucent_info *info, cons
     ptrdiff_t grid = al_file_find(file, "GRID", 0), plane = al_file_find(file, "BLOK", 0);
     assert(grid >= 0); /* the kind asks for it */
     if (al_report_data(report, file, (size_t)grid, &data, &size)) {
-        if (size == 2 * voxels) *density = data;
-        else al_report_finding(report, AL_RULE_TRANSLUCENT_GRID, "GRID: has %zu bytes, %" PRIu64 " voxels need %" PRIu64, size, voxels, 2 * voxels);
+        if (size == 2 * voxels)
+            *density = data;
+        else
+            al_report_finding(report, AL_RULE_TRANSLUCENT_GRID,
+                              "GRID: has %zu bytes, %" PRIu64 " voxels need %" PRIu64, size, voxels,
+                              2 * voxels);
     }
     if ((plane >= 0) != (info->has_blockers == 1)) {
-        al_report_finding(report, AL_RULE_TRANSLUCENT_BLOCKERS, "BLOK is %s, has_blockers is %" PRIu32, plane < 0 ? "missing" : "there", info->has_blockers);
+        al_report_finding(report, AL_RULE_TRANSLUCENT_BLOCKERS, "BLOK is %s, has_blockers is %" PRIu32,
+                          plane < 0 ? "missing" : "there", info->has_blockers);
     } else if (plane >= 0 && al_report_data(report, file, (size_t)plane, &data, &size)) {
-        if (size == voxels) *blockers = data;
-        else al_report_finding(report, AL_RULE_TRANSLUCENT_BLOCKERS, "BLOK: has %zu bytes, there are %" PRIu64 " voxels", size, voxels);
+        if (size == voxels)
+            *blockers = data;
+        else
+            al_report_finding(report, AL_RULE_TRANSLUCENT_BLOCKERS,
+                              "BLOK: has %zu bytes, there are %" PRIu64 " voxels", size, voxels);
     }
 }
 
-al_status al_translucent_read_grid(const al_file *file, const al_translucent_info *info, const uint16_t **density,
-                                   const uint8_t **blockers, al_error *error)
+al_status al_translucent_read_grid(const al_file *file, const al_translucent_info *info,
+                                   const uint16_t **density, const uint8_t **blockers, al_error *error)
 {
     al_report report = {.name = al_file_name(file), .error = error};
     *density = NULL;
@@ -293,7 +329,8 @@ static void check_pages(const al_file *file, const al_translucent_info *info, al
     uint32_t index = 0;
     al_translucent_page page;
     for (size_t i = 0; i < al_file_chunk_count(file); i++)
-        if (!memcmp(al_file_chunk(file, i)->type, "PAGE", 4)) read_page(file, info, index++, i, &page, report);
+        if (!memcmp(al_file_chunk(file, i)->type, "PAGE", 4))
+            read_page(file, info, index++, i, &page, report);
 }
 
 static void check_translucent(const al_file *file, al_report *report)
@@ -306,14 +343,16 @@ static void check_translucent(const al_file *file, al_report *report)
     check_pages(file, &info, report);
 }
 
-static const al_chunk_rules chunks[] = {{"INFO", 1, 1, 1}, {"GRID", 1, 1, 1}, {"BLOK", 1, 0, 1}, {"PAGE", 1, 0, 0}, {"PROV", 1, 0, 1}};
+static const al_chunk_rules chunks[] = {
+    {"INFO", 1, 1, 1}, {"GRID", 1, 1, 1}, {"BLOK", 1, 0, 1}, {"PAGE", 1, 0, 0}, {"PROV", 1, 0, 1}};
 
-const al_kind_rules al_translucent_rules = {AL_KIND_TRANSLUCENT, "translucent", chunks, sizeof chunks / sizeof *chunks, check_translucent};
+const al_kind_rules al_translucent_rules = {AL_KIND_TRANSLUCENT, "translucent", chunks,
+                                            sizeof chunks / sizeof *chunks, check_translucent};
 
 /* --- values --- */
 
-void al_translucent_decode(const al_translucent_info *info, const al_translucent_page *page, uint32_t index, uint32_t channel,
-                           float *coefficients)
+void al_translucent_decode(const al_translucent_info *info, const al_translucent_page *page, uint32_t index,
+                           uint32_t channel, float *coefficients)
 {
     size_t set = (size_t)index * info->channel_count + channel, count = (size_t)info->order * info->order;
     assert(index < page->count && channel < info->channel_count);
@@ -329,8 +368,8 @@ void al_translucent_decode(const al_translucent_info *info, const al_translucent
 }
 
 /* Adds the page's share of sum gamma_i psi_i(w) and of sum gamma_i. */
-static void gather(const al_translucent_info *info, const al_translucent_page *page, const float position[3], const double *basis,
-                   double weighted[3], double *total, uint32_t *used)
+static void gather(const al_translucent_info *info, const al_translucent_page *page, const float position[3],
+                   const double *basis, double weighted[3], double *total, uint32_t *used)
 {
     float coefficients[AL_SH_MAX_COUNT];
     for (uint32_t i = 0; i < page->count; i++) {
@@ -350,17 +389,21 @@ static void gather(const al_translucent_info *info, const al_translucent_page *p
     }
 }
 
-al_status al_translucent_evaluate(const al_file *file, const al_translucent_info *info, const float position[3],
-                                  const float direction[3], float transmittance[3], uint32_t *samples_used, al_error *error)
+al_status al_translucent_evaluate(const al_file *file, const al_translucent_info *info,
+                                  const float position[3], const float direction[3], float transmittance[3],
+                                  uint32_t *samples_used, al_error *error)
 {
     double basis[AL_SH_MAX_COUNT], weighted[3] = {0}, total = 0;
-    double length = sqrt((double)direction[0] * direction[0] + (double)direction[1] * direction[1] + (double)direction[2] * direction[2]);
+    double length = sqrt((double)direction[0] * direction[0] + (double)direction[1] * direction[1] +
+                         (double)direction[2] * direction[2]);
     al_translucent_page page;
     uint32_t used = 0;
     *samples_used = 0;
     for (int c = 0; c < 3; c++) transmittance[c] = 0;
     if (!(length > 0) || !isfinite(length) || !isfinite(position[0] + position[1] + position[2]))
-        return al_fail(error, AL_USAGE, "%s: position and direction must be finite, the direction longer than 0", al_file_name(file));
+        return al_fail(error, AL_USAGE,
+                       "%s: position and direction must be finite, the direction longer than 0",
+                       al_file_name(file));
     al_sh_basis((int)info->order, direction[0] / length, direction[1] / length, direction[2] / length, basis);
     for (uint32_t p = 0; p < al_translucent_page_count(info); p++) {
         al_status status = al_translucent_read_page(file, info, p, &page, error);
@@ -387,11 +430,13 @@ static float encode_bytes(const float *values, size_t count, uint8_t *out)
 {
     float scale = 0;
     for (size_t i = 0; i < count; i++) scale = fmaxf(scale, fabsf(values[i]));
-    for (size_t i = 0; i < count; i++) out[i] = scale > 0 ? (uint8_t)(int8_t)lrint((double)values[i] / scale * BYTE_STEPS) : 0;
+    for (size_t i = 0; i < count; i++)
+        out[i] = scale > 0 ? (uint8_t)(int8_t)lrint((double)values[i] / scale * BYTE_STEPS) : 0;
     return scale;
 }
 
-static void encode_page(const al_translucent_data *data, const al_translucent_info *info, uint32_t first, uint32_t count, uint8_t *out)
+static void encode_page(const al_translucent_data *data, const al_translucent_info *info, uint32_t first,
+                        uint32_t count, uint8_t *out)
 {
     page_layout l = layout_of(info, count);
     size_t set_size = (size_t)info->order * info->order, sets = (size_t)count * info->channel_count;
@@ -411,7 +456,8 @@ static void encode_page(const al_translucent_data *data, const al_translucent_in
     }
 }
 
-static al_status check_data(const char *path, const al_translucent_data *data, const al_translucent_info *info, al_error *error)
+static al_status check_data(const char *path, const al_translucent_data *data,
+                            const al_translucent_info *info, al_error *error)
 {
     al_report report = {.name = path, .error = error};
     uint8_t bytes[256];
@@ -426,7 +472,8 @@ static al_status check_data(const char *path, const al_translucent_data *data, c
     return report.status;
 }
 
-static al_status add_pages(al_writer *writer, const char *path, const al_translucent_data *data, const al_translucent_info *info, al_error *error)
+static al_status add_pages(al_writer *writer, const char *path, const al_translucent_data *data,
+                           const al_translucent_info *info, al_error *error)
 {
     uint8_t *page = malloc(layout_of(info, page_samples(info, 0)).size + 1);
     al_status status = page ? AL_OK : al_fail(error, AL_IO, "%s: out of memory for a page", path);
@@ -439,21 +486,25 @@ static al_status add_pages(al_writer *writer, const char *path, const al_translu
     return status;
 }
 
-static al_status add_chunks(al_writer *writer, const char *path, const al_translucent_data *data, const al_translucent_info *info, al_error *error)
+static al_status add_chunks(al_writer *writer, const char *path, const al_translucent_data *data,
+                            const al_translucent_info *info, al_error *error)
 {
     uint8_t bytes[256];
     const char *provenance = data->provenance_json;
     al_record_encode(&info_record, info, 1, NULL, bytes);
     al_status status = al_writer_add(writer, "INFO", 1, 0, bytes, al_record_size(&info_record), error);
-    if (status == AL_OK) status = al_writer_add(writer, "GRID", 1, 0, data->density, 2 * voxel_count(info), error);
-    if (status == AL_OK && info->has_blockers) status = al_writer_add(writer, "BLOK", 1, 0, data->blockers, voxel_count(info), error);
+    if (status == AL_OK)
+        status = al_writer_add(writer, "GRID", 1, 0, data->density, 2 * voxel_count(info), error);
+    if (status == AL_OK && info->has_blockers)
+        status = al_writer_add(writer, "BLOK", 1, 0, data->blockers, voxel_count(info), error);
     if (status == AL_OK) status = add_pages(writer, path, data, info, error);
     if (status == AL_OK && provenance)
         status = al_writer_add(writer, "PROV", 1, AL_CHUNK_OPTIONAL, provenance, strlen(provenance), error);
     return status;
 }
 
-al_status al_translucent_write(const char *path, const al_translucent_data *data, uint64_t *bytes, al_error *error)
+al_status al_translucent_write(const char *path, const al_translucent_data *data, uint64_t *bytes,
+                               al_error *error)
 {
     al_writer *writer;
     al_translucent_info info = data->info;

@@ -11,7 +11,8 @@
 #include "layout.h"
 #include "replacement.h"
 
-_Static_assert(sizeof AL_WRITER_NAME + sizeof AIRLIGHT_VERSION <= AL_WRITER_SIZE, "the writer's name fits the header");
+_Static_assert(sizeof AL_WRITER_NAME + sizeof AIRLIGHT_VERSION <= AL_WRITER_SIZE,
+               "the writer's name fits the header");
 
 struct al_writer {
     al_replacement file;
@@ -46,7 +47,9 @@ static al_status grow_table(al_writer *writer, al_error *error)
     if (writer->count < writer->capacity) return AL_OK;
     size_t capacity = writer->capacity ? 2 * writer->capacity : 16;
     uint8_t *table = capacity <= UINT32_MAX ? realloc(writer->table, capacity * AL_ENTRY_SIZE) : NULL;
-    if (!table) return al_fail(error, AL_IO, "%s: out of memory for a table of %zu chunks", writer->file.path, capacity);
+    if (!table)
+        return al_fail(error, AL_IO, "%s: out of memory for a table of %zu chunks", writer->file.path,
+                       capacity);
     writer->table = table;
     writer->capacity = capacity;
     return AL_OK;
@@ -61,12 +64,13 @@ static uint64_t chunk_checksum(XXH64_state_t *hash, const void *data, size_t siz
     return XXH64_digest(hash);
 }
 
-al_status al_writer_add(al_writer *writer, const char type[5], uint16_t version, uint32_t flags, const void *data,
-                        size_t size, al_error *error)
+al_status al_writer_add(al_writer *writer, const char type[5], uint16_t version, uint32_t flags,
+                        const void *data, size_t size, al_error *error)
 {
     static const uint8_t padding[AL_ALIGNMENT];
     if (size > (uint64_t)INT64_MAX - AL_ALIGNMENT - writer->offset)
-        return al_fail(error, AL_IO, "%s: a chunk of %zu bytes makes the file too large", writer->file.path, size);
+        return al_fail(error, AL_IO, "%s: a chunk of %zu bytes makes the file too large", writer->file.path,
+                       size);
     size_t padding_size = (size_t)(al_padded(size) - size);
     al_status status = grow_table(writer, error);
     if (status == AL_OK) status = al_replacement_write(&writer->file, writer->offset, data, size, error);
@@ -110,7 +114,8 @@ al_status al_writer_commit(al_writer *writer, uint64_t *bytes, al_error *error)
     al_status status = al_replacement_write(&writer->file, writer->offset, writer->table, table_size, error);
     if (status == AL_OK) status = al_replacement_write(&writer->file, 0, header, sizeof header, error);
     /* Nothing that a reader would refuse takes the name of an asset. */
-    if (status == AL_OK) status = al_file_check_as(writer->file.temporary, writer->file.path, NULL, NULL, error);
+    if (status == AL_OK)
+        status = al_file_check_as(writer->file.temporary, writer->file.path, NULL, NULL, error);
     if (status == AL_OK) status = al_replacement_commit(&writer->file, error);
     if (bytes) *bytes = status == AL_OK ? file_size : 0;
     al_writer_discard(writer);

@@ -9,7 +9,8 @@
 al_status canvas_create(int width, int height, canvas *made, al_error *error)
 {
     *made = (canvas){width, height, malloc((size_t)width * height * 3 * sizeof *made->pixels)};
-    if (!made->pixels) return al_fail(error, AL_IO, "out of memory for a picture of %d x %d pixels", width, height);
+    if (!made->pixels)
+        return al_fail(error, AL_IO, "out of memory for a picture of %d x %d pixels", width, height);
     for (size_t i = 0; i < (size_t)width * height * 3; i++) made->pixels[i] = 0.006f;
     return AL_OK;
 }
@@ -33,7 +34,12 @@ al_status canvas_write(const canvas *c, const char *png_path, al_error *error)
 
 panel canvas_panel(canvas *on, int column, int row, int edge)
 {
-    panel p = {on, CANVAS_MARGIN + column * (edge + CANVAS_MARGIN), CANVAS_MARGIN + row * (edge + CANVAS_MARGIN), edge, {0, 0}, 1};
+    panel p = {on,
+               CANVAS_MARGIN + column * (edge + CANVAS_MARGIN),
+               CANVAS_MARGIN + row * (edge + CANVAS_MARGIN),
+               edge,
+               {0, 0},
+               1};
     const float black[3] = {0, 0, 0};
     for (int y = 0; y < edge; y++)
         for (int x = 0; x < edge; x++) panel_set(&p, x, y, black);
@@ -120,9 +126,14 @@ void panel_disc(const panel *p, const double middle[2], double radius_pixels, co
 
 void heat_color(double value, float rgb[3])
 {
-    static const float knots[][3] = {{0.02f, 0.01f, 0.08f}, {0.03f, 0.12f, 0.35f}, {0.05f, 0.42f, 0.35f}, {0.5f, 0.7f, 0.1f}, {1, 0.95f, 0.55f}};
+    static const float knots[][3] = {{0.02f, 0.01f, 0.08f},
+                                     {0.03f, 0.12f, 0.35f},
+                                     {0.05f, 0.42f, 0.35f},
+                                     {0.5f, 0.7f, 0.1f},
+                                     {1, 0.95f, 0.55f}};
     enum { LAST = sizeof knots / sizeof *knots - 1 };
     double place = fmin(fmax(value, 0), 1) * LAST;
     int below = place < LAST ? (int)place : LAST - 1;
-    for (int c = 0; c < 3; c++) rgb[c] = (float)(knots[below][c] + (place - below) * (knots[below + 1][c] - knots[below][c]));
+    for (int c = 0; c < 3; c++)
+        rgb[c] = (float)(knots[below][c] + (place - below) * (knots[below + 1][c] - knots[below][c]));
 }

@@ -9,7 +9,8 @@ typedef struct canvas {
     float *pixels; /* [height][width][3] */
 } canvas;
 
-/* A square part of a canvas that shows a box of the plane, its aspect kept; drawing is cut off at its edge. */
+/* A square part of a canvas that shows a box of the plane, its aspect kept; drawing is cut off at its edge.
+ */
 typedef struct panel {
     canvas *on;
     int left, top, edge;    /* pixels */

@@ -34,7 +34,8 @@ json_t *json_provenance(const al_file *file)
     size_t size;
     ptrdiff_t index = al_file_find(file, "PROV", 0);
     json_t *root = NULL;
-    if (index >= 0 && al_file_data(file, (size_t)index, &data, &size, NULL) == AL_OK) root = json_loadb(data, size, 0, NULL);
+    if (index >= 0 && al_file_data(file, (size_t)index, &data, &size, NULL) == AL_OK)
+        root = json_loadb(data, size, 0, NULL);
     return root ? root : json_null();
 }
 
@@ -47,7 +48,9 @@ al_status query_vector(const json_t *query, const char *key, float vector[3], al
         vector[i] = (float)json_number_value(number);
         good = json_is_number(number) && isfinite(vector[i]);
     }
-    return good ? AL_OK : al_fail(error, AL_USAGE, "--eval: \"%s\" should be three finite numbers, such as [0, 1, 0]", key);
+    return good ? AL_OK
+                : al_fail(error, AL_USAGE, "--eval: \"%s\" should be three finite numbers, such as [0, 1, 0]",
+                          key);
 }
 
 al_status query_keys(const json_t *query, const char *const *keys, al_error *error)
@@ -55,7 +58,9 @@ al_status query_keys(const json_t *query, const char *const *keys, al_error *err
     for (void *i = json_object_iter((json_t *)query); i; i = json_object_iter_next((json_t *)query, i)) {
         const char *const *known = keys;
         while (*known && strcmp(*known, json_object_iter_key(i))) known++;
-        if (!*known) return al_fail(error, AL_USAGE, "--eval: unknown key \"%s\", this kind of asset takes %s and %s", json_object_iter_key(i), keys[0], keys[1]);
+        if (!*known)
+            return al_fail(error, AL_USAGE, "--eval: unknown key \"%s\", this kind of asset takes %s and %s",
+                           json_object_iter_key(i), keys[0], keys[1]);
     }
     return AL_OK;
 }

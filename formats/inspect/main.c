@@ -46,9 +46,11 @@ static json_t *describe_chunks(const al_file *file)
         const al_chunk *c = al_file_chunk(file, i);
         char checksum[17];
         snprintf(checksum, sizeof checksum, "%016" PRIx64, c->checksum);
-        json_array_append_new(list, json_pack("{s:s,s:i,s:b,s:I,s:I,s:I,s:s}", "type", c->type, "version", (int)c->version, "optional",
-                                              (int)(c->flags & AL_CHUNK_OPTIONAL), "offset", (json_int_t)c->offset, "size", (json_int_t)c->size,
-                                              "raw_size", (json_int_t)c->raw_size, "checksum", checksum));
+        json_array_append_new(list,
+                              json_pack("{s:s,s:i,s:b,s:I,s:I,s:I,s:s}", "type", c->type, "version",
+                                        (int)c->version, "optional", (int)(c->flags & AL_CHUNK_OPTIONAL),
+                                        "offset", (json_int_t)c->offset, "size", (json_int_t)c->size,
+                                        "raw_size", (json_int_t)c->raw_size, "checksum", checksum));
     }
     return list;
 }
@@ -57,14 +59,16 @@ static json_t *describe(const al_file *file, json_t *summary)
 {
     char version[16];
     snprintf(version, sizeof version, "%u.%u", al_file_major(file), al_file_minor(file));
-    return json_pack("{s:s,s:s,s:s,s:I,s:o,s:O}", "kind", al_kind_name(al_file_kind(file)), "format_version", version, "writer",
-                     al_file_writer(file), "size", (json_int_t)al_file_size(file), "chunks", describe_chunks(file), "summary", summary);
+    return json_pack("{s:s,s:s,s:s,s:I,s:o,s:O}", "kind", al_kind_name(al_file_kind(file)), "format_version",
+                     version, "writer", al_file_writer(file), "size", (json_int_t)al_file_size(file),
+                     "chunks", describe_chunks(file), "summary", summary);
 }
 
 static void print_text(const al_file *file, const json_t *summary)
 {
-    printf("%s: %s, format %u.%u, written by %s, %" PRIu64 " bytes\n\n", al_file_name(file), al_kind_name(al_file_kind(file)),
-           al_file_major(file), al_file_minor(file), al_file_writer(file), al_file_size(file));
+    printf("%s: %s, format %u.%u, written by %s, %" PRIu64 " bytes\n\n", al_file_name(file),
+           al_kind_name(al_file_kind(file)), al_file_major(file), al_file_minor(file), al_file_writer(file),
+           al_file_size(file));
     printf("chunk  version  flags             offset               size  checksum\n");
     for (size_t i = 0; i < al_file_chunk_count(file); i++) {
         const al_chunk *c = al_file_chunk(file, i);
@@ -93,9 +97,11 @@ static al_status answer(const al_file *file, const inspected_kind *kind, const c
     json_t *query = json_loads(text, JSON_REJECT_DUPLICATES, &where), *reply = NULL;
     al_status status;
     if (!json_is_object(query))
-        status = al_fail(error, AL_USAGE, "--eval: '%s' is no JSON object: %s", text, query ? "it should be {...}" : where.text);
+        status = al_fail(error, AL_USAGE, "--eval: '%s' is no JSON object: %s", text,
+                         query ? "it should be {...}" : where.text);
     else if (!kind->evaluate)
-        status = al_fail(error, AL_USAGE, "--eval: an asset of kind %s answers no questions", al_kind_name(kind->kind));
+        status = al_fail(error, AL_USAGE, "--eval: an asset of kind %s answers no questions",
+                         al_kind_name(kind->kind));
     else
         status = kind->evaluate(file, query, &reply, error);
     if (status == AL_OK) {
@@ -107,7 +113,8 @@ static al_status answer(const al_file *file, const inspected_kind *kind, const c
     return status;
 }
 
-static al_status show(const al_file *file, const inspected_kind *kind, const request *asked, const json_t *findings, al_error *error)
+static al_status show(const al_file *file, const inspected_kind *kind, const request *asked,
+                      const json_t *findings, al_error *error)
 {
     json_t *summary = NULL;
     al_status status = kind->summary(file, &summary, error);
@@ -125,17 +132,21 @@ static al_status show(const al_file *file, const inspected_kind *kind, const req
 }
 
 /* The asset is valid: everything that was asked of it. */
-static al_status inspect_valid(const char *path, const request *asked, const json_t *findings, al_error *error)
+static al_status inspect_valid(const char *path, const request *asked, const json_t *findings,
+                               al_error *error)
 {
     al_file *file;
     al_status status = al_file_open(path, NULL, &file, error);
     if (status != AL_OK) return status;
     const inspected_kind *kind = find_kind(al_file_kind(file));
-    if (!kind) status = al_fail(error, AL_BAD_INPUT, "%s: assets of kind %s cannot be inspected", path, al_kind_name(al_file_kind(file)));
+    if (!kind)
+        status = al_fail(error, AL_BAD_INPUT, "%s: assets of kind %s cannot be inspected", path,
+                         al_kind_name(al_file_kind(file)));
     if (status == AL_OK && asked->image) status = kind->draw(file, asked->image, error);
     if (status == AL_OK && asked->query) status = answer(file, kind, asked->query, error);
     bool only_check = asked->check && !asked->json;
-    if (status == AL_OK && !only_check && !asked->query && (asked->json || !asked->image)) status = show(file, kind, asked, findings, error);
+    if (status == AL_OK && !only_check && !asked->query && (asked->json || !asked->image))
+        status = show(file, kind, asked, findings, error);
     if (status == AL_OK && only_check) printf("%s: valid\n", path);
     al_file_close(file);
     return status;
@@ -152,7 +163,8 @@ static void show_invalid(const char *path, const request *asked, json_t *finding
     json_t *summary = json_object();
     json_t *all = al_file_open(path, NULL, &file, NULL) == AL_OK
                       ? describe(file, summary)
-                      : json_pack("{s:n,s:n,s:n,s:n,s:[],s:O}", "kind", "format_version", "writer", "size", "chunks", "summary", summary);
+                      : json_pack("{s:n,s:n,s:n,s:n,s:[],s:O}", "kind", "format_version", "writer", "size",
+                                  "chunks", "summary", summary);
     json_object_set_new(all, "valid", json_false());
     json_object_set(all, "findings", findings);
     print_json(all);
@@ -171,7 +183,9 @@ static int inspect(const al_program *program, const char *path, const request *a
         status = inspect_valid(path, asked, findings, &error);
     } else if (count) {
         show_invalid(path, asked, findings);
-        if (asked->check) status = al_fail(&error, AL_CHECK_FAILED, "%s: not valid, %zu finding%s", path, count, count > 1 ? "s" : "");
+        if (asked->check)
+            status = al_fail(&error, AL_CHECK_FAILED, "%s: not valid, %zu finding%s", path, count,
+                             count > 1 ? "s" : "");
     }
     json_decref(findings);
     return status == AL_OK ? AL_OK : al_program_fail(program, &error);
@@ -181,13 +195,20 @@ int main(int argc, char **argv)
 {
     request asked = {0};
     const al_option options[] = {
-        {"--check", NULL, AL_OPTION_FLAG, &asked.check, "validate everything, list all that is found; exit code 1 when the file is not valid", 0, 0},
+        {"--check", NULL, AL_OPTION_FLAG, &asked.check,
+         "validate everything, list all that is found; exit code 1 when the file is not valid", 0, 0},
         {"--json", NULL, AL_OPTION_FLAG, &asked.json, "header, chunks and statistics as JSON", 0, 0},
-        {"--eval", "JSON", AL_OPTION_STRING, &asked.query, "what the asset says at a point: {\"position\": [x, y, z], \"direction\": [x, y, z]}", 0, 0},
+        {"--eval", "JSON", AL_OPTION_STRING, &asked.query,
+         "what the asset says at a point: {\"position\": [x, y, z], \"direction\": [x, y, z]}", 0, 0},
         {"--image", "OUT.png", AL_OPTION_STRING, &asked.image, "draw the asset", 0, 0},
     };
-    al_program program = {"airlight-inspect", "FILE.air [options]", "Shows what an asset holds: header, chunks, statistics.", options,
-                          sizeof options / sizeof *options, false, false};
+    al_program program = {"airlight-inspect",
+                          "FILE.air [options]",
+                          "Shows what an asset holds: header, chunks, statistics.",
+                          options,
+                          sizeof options / sizeof *options,
+                          false,
+                          false};
     const char *path;
     size_t count;
     int code = al_program_parse(&program, argc, argv, &path, 1, 1, &count);
@@ -195,7 +216,8 @@ int main(int argc, char **argv)
     code = inspect(&program, path, &asked);
     if (fflush(stdout) != 0 || ferror(stdout)) {
         al_error error;
-        return al_program_fail(&program, (al_fail(&error, AL_IO, "standard output cannot be written"), &error));
+        return al_program_fail(&program,
+                               (al_fail(&error, AL_IO, "standard output cannot be written"), &error));
     }
     return code;
 }

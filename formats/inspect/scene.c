@@ -8,7 +8,9 @@
 
 static void transform(const float m[16], const float point[3], double out[3])
 {
-    for (int i = 0; i < 3; i++) out[i] = (double)m[i] * point[0] + (double)m[4 + i] * point[1] + (double)m[8 + i] * point[2] + m[12 + i];
+    for (int i = 0; i < 3; i++)
+        out[i] =
+            (double)m[i] * point[0] + (double)m[4 + i] * point[1] + (double)m[8 + i] * point[2] + m[12 + i];
 }
 
 static void grow(double low[3], double high[3], const double point[3])
@@ -48,7 +50,8 @@ static json_t *translucent_list(const al_scene *scene)
     json_t *list = json_array();
     for (uint32_t i = 0; i < scene->translucent_count; i++) {
         const al_translucent_object *t = &scene->translucents[i];
-        json_array_append_new(list, json_pack("{s:o,s:o,s:o}", "name", json_text(t->name), "asset", json_text(t->asset), "medium",
+        json_array_append_new(list, json_pack("{s:o,s:o,s:o}", "name", json_text(t->name), "asset",
+                                              json_text(t->asset), "medium",
                                               json_text(scene->media[t->medium].name)));
     }
     return list;
@@ -57,7 +60,8 @@ static json_t *translucent_list(const al_scene *scene)
 static json_t *camera_list(const al_scene *scene)
 {
     json_t *list = json_array();
-    for (uint32_t i = 0; i < scene->camera_count; i++) json_array_append_new(list, json_text(scene->cameras[i].name));
+    for (uint32_t i = 0; i < scene->camera_count; i++)
+        json_array_append_new(list, json_text(scene->cameras[i].name));
     return list;
 }
 
@@ -72,7 +76,8 @@ static al_status summary(const al_file *file, json_t **out, al_error *error)
         vertices += scene.meshes[i].vertex_count;
         triangles += scene.meshes[i].index_count / 3;
     }
-    for (uint32_t i = 0; i < scene.texture_count; i++) texels += (uint64_t)scene.textures[i].width * scene.textures[i].height;
+    for (uint32_t i = 0; i < scene.texture_count; i++)
+        texels += (uint64_t)scene.textures[i].width * scene.textures[i].height;
     scene_bounds(&scene, low, high);
     json_t *o = json_object();
     json_object_set_new(o, "meshes", json_integer(scene.mesh_count));
@@ -84,7 +89,8 @@ static al_status summary(const al_file *file, json_t **out, al_error *error)
     json_object_set_new(o, "texels", json_integer((json_int_t)texels));
     json_object_set_new(o, "media", json_integer(scene.medium_count));
     json_object_set_new(o, "lights", json_integer(scene.light_count));
-    json_object_set_new(o, "environment", json_pack("[i,i]", (int)scene.environment.width, (int)scene.environment.height));
+    json_object_set_new(o, "environment",
+                        json_pack("[i,i]", (int)scene.environment.width, (int)scene.environment.height));
     json_object_set_new(o, "bounds_min_m", box_corner(low));
     json_object_set_new(o, "bounds_max_m", box_corner(high));
     json_object_set_new(o, "exposure_ev", json_number(scene.play.exposure_ev));
@@ -138,12 +144,14 @@ static eye camera_eye(const al_camera *camera)
 }
 
 /* Draws the part of an edge that lies before the eye. */
-static void draw_edge(const panel *p, const eye *e, const double from[3], const double to[3], const float rgb[3])
+static void draw_edge(const panel *p, const eye *e, const double from[3], const double to[3],
+                      const float rgb[3])
 {
     double ends[2][3], flat[2][2];
     const double *points[2] = {from, to};
     for (int i = 0; i < 2; i++) {
-        double d[3] = {points[i][0] - e->position[0], points[i][1] - e->position[1], points[i][2] - e->position[2]};
+        double d[3] = {points[i][0] - e->position[0], points[i][1] - e->position[1],
+                       points[i][2] - e->position[2]};
         ends[i][0] = dot3(d, e->right);
         ends[i][1] = dot3(d, e->up);
         ends[i][2] = -dot3(d, e->towards);
@@ -177,15 +185,18 @@ static void draw_instances(const al_scene *scene, const panel *p, const eye *e)
         const al_mesh *mesh = &scene->meshes[instance->mesh];
         for (uint32_t t = 0; t + 2 < mesh->index_count; t += 3) {
             double corner[3][3];
-            for (int k = 0; k < 3; k++) transform(instance->world, mesh->positions + 3 * (size_t)mesh->indices[t + k], corner[k]);
-            for (int k = 0; k < 3; k++) draw_edge(p, e, corner[k], corner[(k + 1) % 3], colors[instance->role]);
+            for (int k = 0; k < 3; k++)
+                transform(instance->world, mesh->positions + 3 * (size_t)mesh->indices[t + k], corner[k]);
+            for (int k = 0; k < 3; k++)
+                draw_edge(p, e, corner[k], corner[(k + 1) % 3], colors[instance->role]);
         }
     }
 }
 
-/* Lights are yellow: a point's cross, the way a directional one travels through the middle. Cameras are green:
- * their place and a line towards the target. */
-static void draw_marks(const al_scene *scene, const panel *p, const eye *e, const double middle[3], double size)
+/* Lights are yellow: a point's cross, the way a directional one travels through the middle. Cameras are
+ * green: their place and a line towards the target. */
+static void draw_marks(const al_scene *scene, const panel *p, const eye *e, const double middle[3],
+                       double size)
 {
     static const float yellow[3] = {0.9f, 0.7f, 0.1f}, green[3] = {0.1f, 0.8f, 0.2f};
     for (uint32_t i = 0; i < scene->light_count; i++) {
@@ -213,7 +224,9 @@ static void draw_marks(const al_scene *scene, const panel *p, const eye *e, cons
 
 static al_status draw(const al_file *file, const char *png_path, al_error *error)
 {
-    static const eye sides[3] = {{{0, 0, -1}, {0, 1, 0}, {1, 0, 0}, {0}, 0}, {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}, {0}, 0}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0}, 0}};
+    static const eye sides[3] = {{{0, 0, -1}, {0, 1, 0}, {1, 0, 0}, {0}, 0},
+                                 {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}, {0}, 0},
+                                 {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0}, 0}};
     al_scene scene;
     canvas on = {0};
     double low[3], high[3], middle[3], size = 0;
@@ -231,7 +244,8 @@ static al_status draw(const al_file *file, const char *png_path, al_error *error
         panel p = canvas_panel(&on, v % 2, v / 2, EDGE);
         eye e = v < 3 ? sides[v] : camera_eye(&scene.cameras[0]);
         double centre[2] = {dot3(middle, e.right), dot3(middle, e.up)}, half = fmax(0.5 * size, 1e-6);
-        double first[2] = {centre[0] - half, centre[1] - half}, second[2] = {centre[0] + half, centre[1] + half};
+        double first[2] = {centre[0] - half, centre[1] - half},
+               second[2] = {centre[0] + half, centre[1] + half};
         if (v < 3) panel_show(&p, first, second);
         draw_instances(&scene, &p, &e);
         draw_marks(&scene, &p, &e, middle, size);

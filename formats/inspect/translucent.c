@@ -12,7 +12,7 @@
 /* --- statistics --- */
 
 typedef struct statistics {
-    double low[4], high[4]; /* of a, weight, radius, density */
+    double low[4], high[4];  /* of a, weight, radius, density */
     double transmittance[3]; /* mean over samples and directions */
     uint64_t bytes;          /* of all pages' numbers */
 } statistics;
@@ -21,7 +21,8 @@ static al_status gather(const al_file *file, const al_translucent_info *info, st
 {
     float coefficients[AL_SH_MAX_COUNT];
     al_translucent_page page;
-    *s = (statistics){.low = {INFINITY, INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY, -INFINITY}};
+    *s = (statistics){.low = {INFINITY, INFINITY, INFINITY, INFINITY},
+                      .high = {-INFINITY, -INFINITY, -INFINITY, -INFINITY}};
     for (uint32_t p = 0; p < al_translucent_page_count(info); p++) {
         al_status status = al_translucent_read_page(file, info, p, &page, error);
         if (status != AL_OK) return status;
@@ -62,7 +63,9 @@ static al_status summary(const al_file *file, json_t **out, al_error *error)
     json_object_set_new(o, "channels", json_integer(info.channel_count));
     json_object_set_new(o, "coefficients", json_string(formats[info.format]));
     json_object_set_new(o, "directions", json_integer(info.direction_count));
-    json_object_set_new(o, "grid", json_pack("[i,i,i]", (int)info.grid_size[0], (int)info.grid_size[1], (int)info.grid_size[2]));
+    json_object_set_new(
+        o, "grid",
+        json_pack("[i,i,i]", (int)info.grid_size[0], (int)info.grid_size[1], (int)info.grid_size[2]));
     json_object_set_new(o, "grid_origin_m", json_numbers(info.grid_origin_m, 3));
     json_object_set_new(o, "voxel_m", json_number(info.voxel_m));
     json_object_set_new(o, "density_max", json_number(info.density_max));
@@ -106,8 +109,11 @@ static al_status evaluate(const al_file *file, const json_t *query, json_t **ans
     if (status == AL_OK && direction[0] == 0 && direction[1] == 0 && direction[2] == 0)
         status = al_fail(error, AL_USAGE, "--eval: \"direction\" has no length; any other length is fine");
     if (status == AL_OK) status = al_translucent_read(file, &info, error);
-    if (status == AL_OK) status = al_translucent_evaluate(file, &info, position, direction, transmittance, &used, error);
-    if (status == AL_OK) *answer = json_pack("{s:o,s:i}", "transmittance", json_numbers(transmittance, 3), "samples_used", (int)used);
+    if (status == AL_OK)
+        status = al_translucent_evaluate(file, &info, position, direction, transmittance, &used, error);
+    if (status == AL_OK)
+        *answer = json_pack("{s:o,s:i}", "transmittance", json_numbers(transmittance, 3), "samples_used",
+                            (int)used);
     return status;
 }
 
@@ -133,7 +139,8 @@ static void project(const view *v, const float position[3], double place[2])
     place[1] = position[v->up];
 }
 
-static void draw_slice(const al_translucent_info *info, const uint16_t *density, const uint8_t *blockers, const view *v, const panel *p)
+static void draw_slice(const al_translucent_info *info, const uint16_t *density, const uint8_t *blockers,
+                       const view *v, const panel *p)
 {
     for (int y = 0; y < p->edge; y++)
         for (int x = 0; x < p->edge; x++) {
@@ -144,7 +151,8 @@ static void draw_slice(const al_translucent_info *info, const uint16_t *density,
             double place[3] = {0};
             place[v->right] = v->right_sign * point[0];
             place[v->up] = point[1];
-            place[v->towards] = 0.5 * ((double)info->bounds_min_m[v->towards] + info->bounds_max_m[v->towards]);
+            place[v->towards] =
+                0.5 * ((double)info->bounds_min_m[v->towards] + info->bounds_max_m[v->towards]);
             bool inside = true;
             for (int k = 0; k < 3; k++) {
                 double at = floor((place[k] - info->grid_origin_m[k]) / info->voxel_m);
@@ -152,7 +160,8 @@ static void draw_slice(const al_translucent_info *info, const uint16_t *density,
                 cell[k] = inside ? (int64_t)at : 0;
             }
             if (!inside) continue;
-            size_t index = ((size_t)cell[2] * info->grid_size[1] + (size_t)cell[1]) * info->grid_size[0] + (size_t)cell[0];
+            size_t index = ((size_t)cell[2] * info->grid_size[1] + (size_t)cell[1]) * info->grid_size[0] +
+                           (size_t)cell[0];
             float grey = (float)density[index] / 65535, opaque = blockers ? (float)blockers[index] / 255 : 0;
             for (int c = 0; c < 3; c++) rgb[c] = grey * (1 - opaque);
             rgb[0] += 0.8f * opaque;
@@ -167,7 +176,8 @@ static int by_depth(const void *a, const void *b)
 }
 
 /* The samples of every page with psi towards the eye, mean of the channels. */
-static al_status collect(const al_file *file, const al_translucent_info *info, const view *v, dot *dots, al_error *error)
+static al_status collect(const al_file *file, const al_translucent_info *info, const view *v, dot *dots,
+                         al_error *error)
 {
     double basis[AL_SH_MAX_COUNT], eye[3] = {0};
     float coefficients[AL_SH_MAX_COUNT];
@@ -184,7 +194,8 @@ static al_status collect(const al_file *file, const al_translucent_info *info, c
             project(v, position, d->place);
             for (uint32_t c = 0; c < info->channel_count; c++) {
                 al_translucent_decode(info, &page, i, c, coefficients);
-                for (uint32_t k = 0; k < info->order * info->order; k++) d->transmittance += coefficients[k] * basis[k] / info->channel_count;
+                for (uint32_t k = 0; k < info->order * info->order; k++)
+                    d->transmittance += coefficients[k] * basis[k] / info->channel_count;
             }
         }
     }
@@ -193,7 +204,8 @@ static al_status collect(const al_file *file, const al_translucent_info *info, c
 }
 
 /* Dots as wide as half the mean distance of samples; only those within `reach` of the middle plane. */
-static void draw_dots(const al_translucent_info *info, const view *v, const dot *dots, double reach, const panel *p)
+static void draw_dots(const al_translucent_info *info, const view *v, const dot *dots, double reach,
+                      const panel *p)
 {
     double middle = 0.5 * ((double)info->bounds_min_m[v->towards] + info->bounds_max_m[v->towards]);
     double radius = fmax(0.5 * info->radius_m / p->half * 0.5 * p->edge, 0.8);
@@ -205,8 +217,8 @@ static void draw_dots(const al_translucent_info *info, const view *v, const dot 
     }
 }
 
-static al_status draw_column(const al_file *file, const al_translucent_info *info, const uint16_t *density, const uint8_t *blockers, int column,
-                             dot *dots, canvas *on, al_error *error)
+static al_status draw_column(const al_file *file, const al_translucent_info *info, const uint16_t *density,
+                             const uint8_t *blockers, int column, dot *dots, canvas *on, al_error *error)
 {
     const view *v = &views[column];
     double low[2], high[2], other[2];
@@ -220,8 +232,10 @@ static al_status draw_column(const al_file *file, const al_translucent_info *inf
     for (int row = 0; row < ROWS && status == AL_OK; row++) {
         panel p = canvas_panel(on, column, row, EDGE);
         panel_show(&p, low, high);
-        if (row == 0) draw_slice(info, density, blockers, v, &p);
-        else draw_dots(info, v, dots, row == 1 ? INFINITY : info->radius_m, &p);
+        if (row == 0)
+            draw_slice(info, density, blockers, v, &p);
+        else
+            draw_dots(info, v, dots, row == 1 ? INFINITY : info->radius_m, &p);
     }
     return status;
 }
@@ -236,10 +250,13 @@ static al_status draw(const al_file *file, const char *png_path, al_error *error
     al_status status = al_translucent_read(file, &info, error);
     if (status == AL_OK) status = al_translucent_read_grid(file, &info, &density, &blockers, error);
     if (status == AL_OK)
-        status = canvas_create(3 * EDGE + 4 * CANVAS_MARGIN, ROWS * EDGE + (ROWS + 1) * CANVAS_MARGIN, &on, error);
+        status =
+            canvas_create(3 * EDGE + 4 * CANVAS_MARGIN, ROWS * EDGE + (ROWS + 1) * CANVAS_MARGIN, &on, error);
     if (status != AL_OK) goto cleanup;
     dots = malloc(((size_t)info.sample_count + 1) * sizeof *dots);
-    if (!dots) status = al_fail(error, AL_IO, "%s: out of memory for %u samples", al_file_name(file), info.sample_count);
+    if (!dots)
+        status =
+            al_fail(error, AL_IO, "%s: out of memory for %u samples", al_file_name(file), info.sample_count);
     for (int column = 0; column < 3 && status == AL_OK; column++)
         status = draw_column(file, &info, density, blockers, column, dots, &on, error);
     if (status == AL_OK) status = canvas_write(&on, png_path, error);

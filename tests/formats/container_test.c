@@ -39,12 +39,16 @@ static void test_options(void)
 {
     al_error error = {0};
     al_file *file;
-    const al_open_options scene = {0, AL_KIND_SCENE}, translucent = {0, AL_KIND_TRANSLUCENT}, small = {100, AL_KIND_NONE};
+    const al_open_options scene = {0, AL_KIND_SCENE}, translucent = {0, AL_KIND_TRANSLUCENT},
+                          small = {100, AL_KIND_NONE};
     CHECK(al_file_open(golden, &translucent, &file, &error) == AL_OK);
     al_file_close(file);
-    CHECK(al_file_open(golden, &scene, &file, &error) == AL_BAD_INPUT && !file && strstr(error.message, "wanted is scene"));
-    CHECK(al_file_open(golden, &small, &file, &error) == AL_BAD_INPUT && !file && strstr(error.message, "limit"));
-    CHECK(al_file_open(AIRLIGHT_GOLDEN "/absent.air", NULL, &file, &error) == AL_BAD_INPUT && !file && strstr(error.message, "absent.air"));
+    CHECK(al_file_open(golden, &scene, &file, &error) == AL_BAD_INPUT && !file &&
+          strstr(error.message, "wanted is scene"));
+    CHECK(al_file_open(golden, &small, &file, &error) == AL_BAD_INPUT && !file &&
+          strstr(error.message, "limit"));
+    CHECK(al_file_open(AIRLIGHT_GOLDEN "/absent.air", NULL, &file, &error) == AL_BAD_INPUT && !file &&
+          strstr(error.message, "absent.air"));
     CHECK(al_file_open(AIRLIGHT_GOLDEN, NULL, &file, &error) == AL_BAD_INPUT && !file);
     CHECK(al_file_open("/dev/null", NULL, &file, NULL) == AL_BAD_INPUT && !file);
     al_file_close(NULL);
@@ -79,7 +83,8 @@ static void test_whole_files(const char *folder)
     CHECK(al_write_file(path, "second text", 11, &error) == AL_OK && file_is(path, "second text"));
     CHECK(al_write_file(path, NULL, 0, &error) == AL_OK && file_is(path, ""));
     CHECK(al_write_file(under_file, "x", 1, &error) == AL_IO && strstr(error.message, under_file));
-    CHECK(al_write_file(folder, "x", 1, &error) == AL_IO && strstr(error.message, folder)); /* a folder's name */
+    CHECK(al_write_file(folder, "x", 1, &error) == AL_IO &&
+          strstr(error.message, folder)); /* a folder's name */
     CHECK(folder_count(folder) == 1);
     unlink(path);
 }
@@ -95,14 +100,16 @@ static void test_writer(const char *folder)
     CHECK(al_writer_open(path, AL_KIND_TRANSLUCENT, &writer, &error) == AL_OK);
     CHECK(al_writer_add(writer, "INFO", 1, 0, "0123", 4, &error) == AL_OK);
     CHECK(al_writer_commit(writer, &bytes, &error) == AL_BAD_INPUT && bytes == 0);
-    CHECK(strstr(error.message, "asset.air: ") && strstr(error.message, "(rule 120)") && !strstr(error.message, ".tmp"));
+    CHECK(strstr(error.message, "asset.air: ") && strstr(error.message, "(rule 120)") &&
+          !strstr(error.message, ".tmp"));
     CHECK(folder_count(folder) == 0);
     CHECK(al_writer_open(path, AL_KIND_TRANSLUCENT, &writer, &error) == AL_OK && folder_count(folder) == 1);
     al_writer_discard(writer);
     CHECK(folder_count(folder) == 0);
     al_writer_discard(NULL);
     snprintf(path, sizeof path, "%s/absent/asset.air", folder);
-    CHECK(al_writer_open(path, AL_KIND_SCENE, &writer, &error) == AL_IO && !writer && strstr(error.message, "absent/asset.air"));
+    CHECK(al_writer_open(path, AL_KIND_SCENE, &writer, &error) == AL_IO && !writer &&
+          strstr(error.message, "absent/asset.air"));
 }
 
 int main(void)

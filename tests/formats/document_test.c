@@ -1,4 +1,5 @@
-/* docs/formats.md lists exactly the rules of the code, number and text, and its hex dump is the golden file. */
+/* docs/formats.md lists exactly the rules of the code, number and text, and its hex dump is the golden file.
+ */
 #include "rules.h"
 
 #include <stdbool.h>
@@ -33,8 +34,8 @@ static int listed_count(const char *document)
     return count;
 }
 
-/* Rows "oooooo  hh hh ...  words" of the only code block, against the file. Dots promise the same byte up to the
- * next row, so that the rows account for the whole file. */
+/* Rows "oooooo  hh hh ...  words" of the only code block, against the file. Dots promise the same byte up to
+ * the next row, so that the rows account for the whole file. */
 static void check_dump(const char *document, forged golden)
 {
     const char *row = strstr(document, "\n```\n"), *end = row ? strstr(row + 5, "\n```\n") : NULL;

@@ -29,9 +29,22 @@ static al_status write_asset(const char *path, int variant, al_error *error)
         gaussians[i] = 1;
         coefficients[i] = (float)variant;
     }
-    const al_translucent_data data = {{.sample_count = count, .page_size = PAGE_SIZE, .order = 2, .channel_count = 1, .direction_count = 32,
-                                       .grid_size = {2, 2, 2}, .voxel_m = 1, .density_max = 1, .ior = 1, .bounds_max_m = {1, 1, 1}},
-                                      positions, gaussians, coefficients, density, NULL, NULL};
+    const al_translucent_data data = {{.sample_count = count,
+                                       .page_size = PAGE_SIZE,
+                                       .order = 2,
+                                       .channel_count = 1,
+                                       .direction_count = 32,
+                                       .grid_size = {2, 2, 2},
+                                       .voxel_m = 1,
+                                       .density_max = 1,
+                                       .ior = 1,
+                                       .bounds_max_m = {1, 1, 1}},
+                                      positions,
+                                      gaussians,
+                                      coefficients,
+                                      density,
+                                      NULL,
+                                      NULL};
     return al_translucent_write(path, &data, NULL, error);
 }
 
@@ -82,7 +95,8 @@ static void test_kill(const char *folder, const char *path, const forged variant
         seen[1] += second;
         interrupted += folder_visit(folder, ".tmp", true) > 0;
     }
-    printf("%d kills: old or new %d and %d times, %d in the middle of writing\n", KILLS, seen[0], seen[1], interrupted);
+    printf("%d kills: old or new %d and %d times, %d in the middle of writing\n", KILLS, seen[0], seen[1],
+           interrupted);
     CHECK(interrupted > 0); /* else nothing was tested */
 }
 
@@ -97,7 +111,8 @@ static int run_limited(const char *path, size_t limit, al_status (*work)(const c
         signal(SIGXFSZ, SIG_IGN);
         if (setrlimit(RLIMIT_FSIZE, &room) != 0) _exit(99);
         al_status status = work(path, &error);
-        bool clear = status == AL_OK || (!strncmp(error.message, path, strlen(path)) && !strchr(error.message, '\n'));
+        bool clear =
+            status == AL_OK || (!strncmp(error.message, path, strlen(path)) && !strchr(error.message, '\n'));
         _exit(clear ? (int)status : 98);
     }
     int status = 0;
@@ -145,7 +160,8 @@ static void check_mounts(const char *folder)
     char path[600];
     al_error error = {0};
     snprintf(path, sizeof path, "%s/asset.air", folder);
-    CHECK(write_asset(path, 1, &error) == AL_IO && strstr(error.message, strerror(ENOSPC)) && strstr(error.message, path));
+    CHECK(write_asset(path, 1, &error) == AL_IO && strstr(error.message, strerror(ENOSPC)) &&
+          strstr(error.message, path));
     CHECK(folder_count(folder) == 0);
     CHECK(al_write_file(path, "text", 4, &error) == AL_OK);
     CHECK(mount(NULL, folder, NULL, MS_REMOUNT | MS_RDONLY, NULL) == 0);
@@ -169,7 +185,8 @@ static void test_mounts(const char *folder)
     }
     waitpid(child, &status, 0);
     int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    if (code == 77) printf("SKIP of one part: mounting a small and a read-only file system is not allowed here\n");
+    if (code == 77)
+        printf("SKIP of one part: mounting a small and a read-only file system is not allowed here\n");
     CHECK(code == 0 || code == 77);
     rmdir(inside);
 }
@@ -180,8 +197,10 @@ static void test_unwritable(const char *path)
     char under[600];
     al_error error = {0};
     snprintf(under, sizeof under, "%s/asset.air", path);
-    CHECK(write_asset(under, 0, &error) == AL_IO && strstr(error.message, under) && strstr(error.message, strerror(ENOTDIR)));
-    CHECK(write_asset("/absent/folder/asset.air", 0, &error) == AL_IO && strstr(error.message, strerror(ENOENT)));
+    CHECK(write_asset(under, 0, &error) == AL_IO && strstr(error.message, under) &&
+          strstr(error.message, strerror(ENOTDIR)));
+    CHECK(write_asset("/absent/folder/asset.air", 0, &error) == AL_IO &&
+          strstr(error.message, strerror(ENOENT)));
 }
 
 int main(void)

@@ -1,5 +1,5 @@
-/* Files in memory for the tests: load them, change their bytes, make their checksums right again. Written from
- * docs/formats.md, without the library's own layout. */
+/* Files in memory for the tests: load them, change their bytes, make their checksums right again. Written
+ * from docs/formats.md, without the library's own layout. */
 #ifndef AIRLIGHT_FORGE_H
 #define AIRLIGHT_FORGE_H
 

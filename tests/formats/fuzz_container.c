@@ -1,6 +1,6 @@
-/* Everything that reads an asset, on bytes that anyone may have written: nothing may crash, and what the checker
- * accepts must be readable. Checksums would stop nearly every input at the door, so each is tried twice, the
- * second time with its checksums put right.
+/* Everything that reads an asset, on bytes that anyone may have written: nothing may crash, and what the
+ * checker accepts must be readable. Checksums would stop nearly every input at the door, so each is tried
+ * twice, the second time with its checksums put right.
  *
  * The libFuzzer target (AIRLIGHT_FUZZ) and the replay in the tests run the same function. */
 #include "fuzz_container.h"
@@ -32,7 +32,8 @@ static bool read_translucent(const al_file *file)
     bool good = al_translucent_read_grid(file, &info, &density, &blockers, NULL) == AL_OK;
     for (uint32_t p = 0; p < al_translucent_page_count(&info); p++) {
         if (al_translucent_read_page(file, &info, p, &page, NULL) != AL_OK) return false;
-        for (uint32_t i = 0; i < page.count; i++) al_translucent_decode(&info, &page, i, info.channel_count - 1, coefficients);
+        for (uint32_t i = 0; i < page.count; i++)
+            al_translucent_decode(&info, &page, i, info.channel_count - 1, coefficients);
     }
     REQUIRE(al_translucent_evaluate(file, &info, position, direction, answer, &used, NULL) == AL_OK);
     for (int c = 0; c < 3; c++) REQUIRE(answer[c] >= 0 && answer[c] <= 1);
@@ -46,10 +47,12 @@ static bool read_scene(const al_file *file)
     double sum = 0;
     for (uint32_t m = 0; m < scene.mesh_count; m++) {
         const al_mesh *mesh = &scene.meshes[m];
-        for (uint32_t i = 0; i < mesh->index_count; i++) sum += mesh->positions[3 * (size_t)mesh->indices[i]] * 1e-30;
+        for (uint32_t i = 0; i < mesh->index_count; i++)
+            sum += mesh->positions[3 * (size_t)mesh->indices[i]] * 1e-30;
         sum += (double)strlen(mesh->name);
     }
-    for (uint32_t i = 0; i < scene.instance_count; i++) sum += scene.meshes[scene.instances[i].mesh].vertex_count;
+    for (uint32_t i = 0; i < scene.instance_count; i++)
+        sum += scene.meshes[scene.instances[i].mesh].vertex_count;
     REQUIRE(isfinite(sum) && scene.camera_count > 0);
     al_scene_free(&scene);
     return true;
@@ -70,7 +73,8 @@ static void try_bytes(const uint8_t *data, size_t size)
     al_status checked = al_file_check_memory("input", data, size, count_finding, &first, &error);
     REQUIRE(checked == AL_OK || checked == AL_BAD_INPUT);
     REQUIRE((checked == AL_OK) == (first == 0) && (checked == AL_OK || error.message[0]));
-    REQUIRE(al_file_check_memory("input", data, size, count_finding, &second, NULL) == checked && first == second);
+    REQUIRE(al_file_check_memory("input", data, size, count_finding, &second, NULL) == checked &&
+            first == second);
     al_status opened = al_file_from_memory("input", data, size, NULL, &file, NULL);
     if (opened == AL_OK) {
         bool read = al_file_kind(file) == AL_KIND_SCENE ? read_scene(file) : read_translucent(file);
@@ -83,7 +87,8 @@ static void try_bytes(const uint8_t *data, size_t size)
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    forged f = {calloc(size ? size : 1, 1), size}; /* of its own: aligned, and a sanitizer sees every read beyond */
+    forged f = {calloc(size ? size : 1, 1),
+                size}; /* of its own: aligned, and a sanitizer sees every read beyond */
     if (!f.data) return 0;
     if (size) memcpy(f.data, data, size);
     try_bytes(f.data, size);

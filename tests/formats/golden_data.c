@@ -4,14 +4,17 @@
 
 void golden_fill_translucent(al_coefficient_format format, golden_translucent *golden)
 {
-    static const uint32_t samples[] = {1, 4, 5}, pages[] = {1, 4, 2}, orders[] = {1, 3, 2}, channels[] = {1, 1, 3};
-    al_translucent_info info = {.sample_count = samples[format], .page_size = pages[format], .order = orders[format],
-                                .channel_count = channels[format], .format = format, .direction_count = 128,
-                                .grid_size = {3, 2, 2}, .grid_origin_m = {-0.75f, -0.5f, -0.25f}, .voxel_m = 0.5f, .density_max = 2,
-                                .sigma_s_per_m = {1, 2, 4}, .sigma_a_per_m = {0.5f, 0.25f, 0.125f}, .g = -0.25f, .ior = 1.5f,
-                                .bounds_min_m = {-0.5f, -0.375f, -0.125f}, .bounds_max_m = {0.5f, 0.375f, 0.625f}, .volume_m3 = 0.5,
-                                .radius_m = 0.0625, .rho_quantile = 3, .unity_mean = 0.9375f, .unity_deviation = 0.0625f,
-                                .unity_worst = 0.5f};
+    static const uint32_t samples[] = {1, 4, 5}, pages[] = {1, 4, 2}, orders[] = {1, 3, 2};
+    static const uint32_t channels[] = {1, 1, 3};
+    al_translucent_info info = {
+        .sample_count = samples[format], .page_size = pages[format], .order = orders[format],
+        .channel_count = channels[format], .format = format, .direction_count = 128,
+        .grid_size = {3, 2, 2}, .grid_origin_m = {-0.75f, -0.5f, -0.25f}, .voxel_m = 0.5f, .density_max = 2,
+        .sigma_s_per_m = {1, 2, 4}, .sigma_a_per_m = {0.5f, 0.25f, 0.125f}, .g = -0.25f, .ior = 1.5f,
+        .bounds_min_m = {-0.5f, -0.375f, -0.125f}, .bounds_max_m = {0.5f, 0.375f, 0.625f},
+        .volume_m3 = 0.5, .radius_m = 0.0625, .rho_quantile = 3,
+        .unity_mean = 0.9375f, .unity_deviation = 0.0625f, .unity_worst = 0.5f,
+    };
     uint32_t set = info.order * info.order;
     memset(golden, 0, sizeof *golden);
     for (uint32_t i = 0; i < info.sample_count; i++) {
@@ -23,16 +26,20 @@ void golden_fill_translucent(al_coefficient_format format, golden_translucent *g
         g[1] = 1 - 0.125f * (float)i;
         g[2] = 0.25f + 0.03125f * (float)i;
         g[3] = 2 - 0.25f * (float)i;
+        float *coefficients = golden->coefficients + i * info.channel_count * set;
         for (uint32_t k = 0; k < info.channel_count * set; k++)
-            golden->coefficients[i * info.channel_count * set + k] = k % set == 0 ? 2.5f - 0.125f * (float)i : 0.375f / (float)(k + 1) * (k % 2 ? 1 : -1);
+            coefficients[k] = k % set == 0 ? 2.5f - 0.125f * (float)i
+                                           : 0.375f / (float)(k + 1) * (k % 2 ? 1 : -1);
     }
     for (int v = 0; v < 12; v++) {
         golden->density[v] = (uint16_t)(65535 - 5000 * v);
         golden->blockers[v] = (uint8_t)(20 * v);
     }
-    golden->data = (al_translucent_data){info, golden->positions, golden->gaussians, golden->coefficients, golden->density,
-                                         format == AL_COEFFICIENT_BYTE ? golden->blockers : NULL,
-                                         format == AL_COEFFICIENT_FLOAT ? NULL : "{\"key\":\"0123456789abcdef\",\"seed\":7}"};
+    const char *provenance = format == AL_COEFFICIENT_FLOAT ? NULL
+                                                            : "{\"key\":\"0123456789abcdef\",\"seed\":7}";
+    const uint8_t *blockers = format == AL_COEFFICIENT_BYTE ? golden->blockers : NULL;
+    golden->data = (al_translucent_data){info, golden->positions, golden->gaussians, golden->coefficients,
+                                         golden->density, blockers, provenance};
 }
 
 /* --- scene --- */
@@ -54,7 +61,8 @@ static float sky[] = {0.5f, 0.75f, 1, 0.25f, 0.25f, 0.25f};
 
 static al_texture textures[] = {{"checker", 2, 2, true, pixels}};
 static al_material materials[] = {
-    {"ground", {0.5f, 0.25f, 0.125f}, 0, 0.75f, {0, 0, 0}, 1.5f, true, 0, AL_NO_INDEX, AL_NO_INDEX, AL_NO_INDEX},
+    {"ground", {0.5f, 0.25f, 0.125f}, 0, 0.75f, {0, 0, 0}, 1.5f, true,
+     0, AL_NO_INDEX, AL_NO_INDEX, AL_NO_INDEX},
     {"wax", {1, 1, 1}, 0.25f, 0.5f, {0, 2, 0}, 1.25f, false, AL_NO_INDEX, 0, AL_NO_INDEX, AL_NO_INDEX},
 };
 static al_mesh meshes[] = {
@@ -64,7 +72,8 @@ static al_mesh meshes[] = {
 static al_instance instances[] = {
     {"floor", 0, AL_ROLE_OPAQUE, AL_NO_INDEX, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -1, 0, 1}},
     {"candle", 1, AL_ROLE_TRANSLUCENT, 0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}},
-    {"wick", 1, AL_ROLE_BLOCKER, 0, {0.25f, 0, 0, 0, 0, 0.25f, 0, 0, 0, 0, 0.25f, 0, 0.125f, 0.125f, 0.125f, 1}},
+    {"wick", 1, AL_ROLE_BLOCKER, 0,
+     {0.25f, 0, 0, 0, 0, 0.25f, 0, 0, 0, 0, 0.25f, 0, 0.125f, 0.125f, 0.125f, 1}},
 };
 static al_medium media[] = {{"wax", {8, 6, 4}, {0.25f, 0.5f, 1}, 0.5f}};
 static al_translucent_object translucents[] = {{"candle", 1, 0, "candle.translucent.air"}};
@@ -76,8 +85,11 @@ static al_camera cameras[] = {{"main", {2, 1.5f, 3}, {0, 0.25f, 0}, {0, 1, 0}, 0
 
 void golden_fill_scene(al_scene *scene)
 {
-    *scene = (al_scene){1, 2, 2, 3, 1, 1, 2, 1, textures, materials, meshes, instances, media, translucents, lights, cameras,
-                        {.width = 2, .height = 1, .pixels = sky}, {0.5f, {0.125f, 0.25f, 0.5f}}, NULL};
+    *scene = (al_scene){
+        1, 2, 2, 3, 1, 1, 2, 1, textures, materials, meshes, instances, media, translucents, lights, cameras,
+        {.width = 2, .height = 1, .pixels = sky}, {0.5f, {0.125f, 0.25f, 0.5f}}, NULL,
+    };
     for (int c = 0; c < 3; c++)
-        for (int i = 0; i < AL_ENVIRONMENT_ORDER * AL_ENVIRONMENT_ORDER; i++) scene->environment.sh[c][i] = (float)(c + 1) / (float)(i + 1);
+        for (int i = 0; i < AL_ENVIRONMENT_ORDER * AL_ENVIRONMENT_ORDER; i++)
+            scene->environment.sh[c][i] = (float)(c + 1) / (float)(i + 1);
 }

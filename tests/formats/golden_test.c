@@ -8,7 +8,8 @@
 #include "refusals.h"
 #include "rules.h"
 
-static const char *const valid[] = {"translucent_float_1_0", "translucent_half_1_0", "translucent_byte_1_0", "scene_1_0"};
+static const char *const valid[] = {"translucent_float_1_0", "translucent_half_1_0", "translucent_byte_1_0",
+                                    "scene_1_0"};
 
 static forged load_golden(const char *name)
 {
@@ -24,8 +25,10 @@ static forged load_golden(const char *name)
 
 static void refusal_file(const refusal *r, char *name, size_t size)
 {
-    if (r->rule) snprintf(name, size, "refuse_%d_%s", r->rule, r->name);
-    else snprintf(name, size, "%s", r->name);
+    if (r->rule)
+        snprintf(name, size, "refuse_%d_%s", r->rule, r->name);
+    else
+        snprintf(name, size, "%s", r->name);
 }
 
 /* --- reading --- */
@@ -91,7 +94,8 @@ static void test_refusals(void)
         al_status in_memory = al_file_check_memory(path, f.data, f.size, see, &found, &error);
         al_status in_file = al_file_check(path, see, &on_disk, &file_error);
         if (in_memory != expected || (found.times > 0) != (refusals[i].rule != 0))
-            fprintf(stderr, "%s: status %d, rule found %d times: %s\n", name, in_memory, found.times, error.message);
+            fprintf(stderr, "%s: status %d, rule found %d times: %s\n", name, in_memory, found.times,
+                    error.message);
         CHECK(in_memory == expected && in_file == expected);
         CHECK((found.times > 0) == (refusals[i].rule != 0));
         CHECK(found.all == on_disk.all && !strcmp(error.message, file_error.message));
@@ -130,7 +134,9 @@ static void test_every_bit(const char *name)
         if (read_whole(name, f, NULL) != AL_BAD_INPUT) {
             /* The provenance is optional: a reader need not look at it, the checker does. */
             uint8_t *provenance = forge_chunk(f, "PROV", 0);
-            if (!provenance || bit / 8 < (size_t)(provenance - f.data) || bit / 8 >= (size_t)(provenance - f.data) + 64) accepted++;
+            if (!provenance || bit / 8 < (size_t)(provenance - f.data) ||
+                bit / 8 >= (size_t)(provenance - f.data) + 64)
+                accepted++;
         }
         f.data[bit / 8] ^= (uint8_t)(1 << bit % 8);
     }
@@ -143,7 +149,8 @@ static void test_every_truncation(const char *name)
     forged f = load_golden(name);
     uint64_t accepted = 0;
     for (size_t size = 0; size < f.size; size++) {
-        forged cut = {malloc(size ? size : 1), size}; /* of its own, so that a sanitizer sees every read beyond */
+        forged cut = {malloc(size ? size : 1),
+                      size}; /* of its own, so that a sanitizer sees every read beyond */
         if (!cut.data) break;
         memcpy(cut.data, f.data, size);
         accepted += al_file_check_memory(name, cut.data, size, NULL, NULL, NULL) != AL_BAD_INPUT;
@@ -189,7 +196,8 @@ static void test_same_bytes(const char *folder)
     for (size_t i = 0; i < refusal_count; i++) {
         char name[256];
         refusal_file(&refusals[i], name, sizeof name);
-        forged base = load_golden(refusals[i].base), wanted = load_golden(name), made = refusal_make(&refusals[i], base);
+        forged base = load_golden(refusals[i].base), wanted = load_golden(name),
+               made = refusal_make(&refusals[i], base);
         CHECK(made.data && made.size == wanted.size && !memcmp(made.data, wanted.data, made.size));
         free(base.data);
         free(wanted.data);

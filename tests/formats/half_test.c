@@ -24,13 +24,15 @@ static void test_every_half(void)
             wrong += nan ? !isnan(value) || !isnan(al_half_to_float(al_half_from_float(value)))
                          : !isinf(value) || al_half_from_float(value) != half;
         } else {
-            wrong += value != meaning(half) || (signbit(value) != 0) != (half >> 15) || al_half_from_float(value) != half;
+            wrong += value != meaning(half) || (signbit(value) != 0) != (half >> 15) ||
+                     al_half_from_float(value) != half;
         }
     }
     CHECK(wrong == 0);
 }
 
-/* Between each pair of neighbours: the middle goes to the even one, a float less or more to the nearer one. */
+/* Between each pair of neighbours: the middle goes to the even one, a float less or more to the nearer one.
+ */
 static void test_rounding(void)
 {
     uint32_t wrong = 0;

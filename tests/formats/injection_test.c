@@ -1,5 +1,6 @@
-/* Every allocation and every system call that writes or maps is made to fail once: the status is AL_IO, nothing
- * leaks, nothing half-written stays. The linker's --wrap puts the functions below between the library and libc. */
+/* Every allocation and every system call that writes or maps is made to fail once: the status is AL_IO,
+ * nothing leaks, nothing half-written stays. The linker's --wrap puts the functions below between the library
+ * and libc. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdarg.h>
@@ -69,8 +70,10 @@ int __wrap_open(const char *path, int flags, ...)
     va_start(arguments, flags);
     int mode = va_arg(arguments, int), descriptor = -1;
     va_end(arguments);
-    if (fails_now()) errno = EIO;
-    else descriptor = __real_open(path, flags, mode);
+    if (fails_now())
+        errno = EIO;
+    else
+        descriptor = __real_open(path, flags, mode);
     descriptors += descriptor >= 0;
     return descriptor;
 }
@@ -108,8 +111,10 @@ int __wrap_rename(const char *from, const char *to)
 void *__wrap_mmap(void *at, size_t size, int protection, int flags, int descriptor, off_t offset)
 {
     void *mapping = MAP_FAILED;
-    if (fails_now()) errno = ENOMEM;
-    else mapping = __real_mmap(at, size, protection, flags, descriptor, offset);
+    if (fails_now())
+        errno = ENOMEM;
+    else
+        mapping = __real_mmap(at, size, protection, flags, descriptor, offset);
     mappings += mapping != MAP_FAILED;
     return mapping;
 }
@@ -170,8 +175,10 @@ static al_status check_translucent(al_error *error)
 }
 
 /* Fails call after call until the work runs out of calls. `result` is the file that success leaves, or "". A
- * failed close of what was only read, or of the folder after its sync, loses nothing: the work may succeed. */
-static void fail_every_call(const char *folder, const char *name, al_status (*work)(al_error *error), const char *before, const char *result)
+ * failed close of what was only read, or of the folder after its sync, loses nothing: the work may succeed.
+ */
+static void fail_every_call(const char *folder, const char *name, al_status (*work)(al_error *error),
+                            const char *before, const char *result)
 {
     enum { LIMIT = 10000 };
     forged old = forge_load(before), made = forge_load(result);

@@ -33,10 +33,13 @@ static al_status write_refusal(const char *folder, const refusal *r, al_error *e
     char path[4096];
     snprintf(path, sizeof path, "%s/%s.air", folder, r->base);
     forged base = forge_load(path), made = base.data ? refusal_make(r, base) : base;
-    if (r->rule) snprintf(path, sizeof path, "%s/refuse_%d_%s.air", folder, r->rule, r->name);
-    else snprintf(path, sizeof path, "%s/%s.air", folder, r->name);
-    al_status status = made.data ? al_write_file(path, made.data, made.size, error)
-                                 : al_fail(error, AL_BAD_INPUT, "%s: its changes do not fit %s", path, r->base);
+    if (r->rule)
+        snprintf(path, sizeof path, "%s/refuse_%d_%s.air", folder, r->rule, r->name);
+    else
+        snprintf(path, sizeof path, "%s/%s.air", folder, r->name);
+    al_status status = made.data
+                           ? al_write_file(path, made.data, made.size, error)
+                           : al_fail(error, AL_BAD_INPUT, "%s: its changes do not fit %s", path, r->base);
     if (made.data != base.data) free(made.data);
     free(base.data);
     return status;

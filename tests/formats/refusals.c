@@ -11,13 +11,17 @@
 #define SIZE(value) {CHANGE_SIZE, "", 0, 0, 0, value}
 #define EMPTY(type, index) {CHANGE_EMPTY, type, index, 0, 0, 0}
 #define TEXT(a, b, c, d) ((uint64_t)(a) | (uint64_t)(b) << 8 | (uint64_t)(c) << 16 | (uint64_t)(d) << 24)
-#define HIDE(type, index) ENTRY(type, index, 8, 4, 1), ENTRY(type, index, 0, 4, TEXT('N', 'E', 'W', '1')) /* becomes optional and unknown */
+/* becomes optional and unknown */
+#define HIDE(type, index) \
+    ENTRY(type, index, 8, 4, 1), ENTRY(type, index, 0, 4, TEXT('N', 'E', 'W', '1'))
 #define RESIZE(type, index, size) ENTRY(type, index, 24, 8, size), ENTRY(type, index, 32, 8, size)
 #define NAN_BITS 0x7fc00000
 #define MINUS_ONE 0xbf800000
 
 const refusal refusals[] = {
-    {0, "accept_newer_minor", BYTE, SEAL_ALL, {HEADER(10, 2, 7), HEADER(104, 4, 1), ENTRY("PROV", 0, 0, 4, TEXT('N', 'E', 'W', '1')), ENTRY("INFO", 0, 8, 4, 0x80000000)}},
+    {0, "accept_newer_minor", BYTE, SEAL_ALL,
+     {HEADER(10, 2, 7), HEADER(104, 4, 1), ENTRY("PROV", 0, 0, 4, TEXT('N', 'E', 'W', '1')),
+      ENTRY("INFO", 0, 8, 4, 0x80000000)}},
     {0, "accept_newer_optional_chunk_version", BYTE, SEAL_ALL, {ENTRY("PROV", 0, 4, 2, 2)}},
 
     {101, "cut_below_header", FLOAT, SEAL_NOTHING, {SIZE(127)}},
@@ -32,7 +36,8 @@ const refusal refusals[] = {
     {108, "reserved_header_byte", FLOAT, SEAL_ALL, {HEADER(119, 1, 1)}},
     {108, "reserved_entry_byte", FLOAT, SEAL_ALL, {ENTRY("GRID", 0, 15, 1, 1)}},
     {109, "writer_not_text", FLOAT, SEAL_ALL, {HEADER(44, 1, 7)}},
-    {109, "writer_empty", FLOAT, SEAL_ALL, {HEADER(40, 8, 0), HEADER(48, 8, 0), HEADER(56, 8, 0), HEADER(64, 8, 0)}},
+    {109, "writer_empty", FLOAT, SEAL_ALL,
+     {HEADER(40, 8, 0), HEADER(48, 8, 0), HEADER(56, 8, 0), HEADER(64, 8, 0)}},
     {110, "chunk_type_lower_case", BYTE, SEAL_ALL, {ENTRY("PROV", 0, 3, 1, 'v')}},
     {111, "chunk_reaches_table", FLOAT, SEAL_ALL, {RESIZE("PAGE", 0, 1 << 20)}},
     {111, "chunk_size_overflows", FLOAT, SEAL_ALL, {RESIZE("PAGE", 0, UINT64_MAX)}},
@@ -42,7 +47,8 @@ const refusal refusals[] = {
     {115, "raw_size", FLOAT, SEAL_ALL, {ENTRY("GRID", 0, 32, 8, 25)}},
     {116, "chunk_checksum", FLOAT, SEAL_NOTHING, {CHUNK("GRID", 0, 0, 1, 0)}},
     {117, "padding_not_zero", FLOAT, SEAL_ALL, {CHUNK("GRID", 0, 63, 1, 1)}},
-    {118, "unknown_required_chunk", BYTE, SEAL_ALL, {ENTRY("PROV", 0, 8, 4, 0), ENTRY("PROV", 0, 0, 4, TEXT('N', 'E', 'W', '1'))}},
+    {118, "unknown_required_chunk", BYTE, SEAL_ALL,
+     {ENTRY("PROV", 0, 8, 4, 0), ENTRY("PROV", 0, 0, 4, TEXT('N', 'E', 'W', '1'))}},
     {119, "newer_chunk_version", FLOAT, SEAL_ALL, {ENTRY("INFO", 0, 4, 2, 2)}},
     {120, "grid_missing", FLOAT, SEAL_ALL, {HIDE("GRID", 0)}},
     {120, "two_infos", FLOAT, SEAL_ALL, {ENTRY("GRID", 0, 0, 4, TEXT('I', 'N', 'F', 'O'))}},
@@ -90,7 +96,9 @@ const refusal refusals[] = {
     {305, "material_outside", SCENE, SEAL_ALL, {CHUNK("SUBM", 0, 8, 4, 2)}},
     {305, "texture_outside", SCENE, SEAL_ALL, {CHUNK("MATL", 0, 44, 4, 1)}},
     {305, "mesh_outside", SCENE, SEAL_ALL, {CHUNK("INST", 0, 4, 4, 2)}},
-    {306, "index_left_over", SCENE, SEAL_ALL, {CHUNK("MESH", 0, 32, 4, 11), CHUNK("SUBM", 0, 28, 4, 9), RESIZE("GEOM", 1, 172), CHUNK("GEOM", 1, 172, 4, 0)}},
+    {306, "index_left_over", SCENE, SEAL_ALL,
+     {CHUNK("MESH", 0, 32, 4, 11), CHUNK("SUBM", 0, 28, 4, 9), RESIZE("GEOM", 1, 172),
+      CHUNK("GEOM", 1, 172, 4, 0)}},
     {307, "submesh_outside", SCENE, SEAL_ALL, {CHUNK("SUBM", 0, 12, 4, 6)}},
     {308, "normal_not_unit", SCENE, SEAL_ALL, {CHUNK("GEOM", 0, 68, 4, 0x3f000000)}},
     {308, "light_not_unit", SCENE, SEAL_ALL, {CHUNK("LITE", 0, 8, 4, 0x3f800000)}},
@@ -98,7 +106,9 @@ const refusal refusals[] = {
     {310, "boundary_of_other_role", SCENE, SEAL_ALL, {CHUNK("TRAN", 0, 4, 4, 2)}},
     {311, "matrix_not_affine", SCENE, SEAL_ALL, {CHUNK("INST", 0, 28, 4, 0x3f800000)}},
     {312, "asset_in_other_folder", SCENE, SEAL_ALL, {CHUNK("TEXT", 0, 70, 1, '/')}},
-    {313, "camera_on_target", SCENE, SEAL_ALL, {CHUNK("CAMR", 0, 16, 4, 0x40000000), CHUNK("CAMR", 0, 20, 4, 0x3fc00000), CHUNK("CAMR", 0, 24, 4, 0x40400000)}},
+    {313, "camera_on_target", SCENE, SEAL_ALL,
+     {CHUNK("CAMR", 0, 16, 4, 0x40000000), CHUNK("CAMR", 0, 20, 4, 0x3fc00000),
+      CHUNK("CAMR", 0, 24, 4, 0x40400000)}},
     {314, "no_camera", SCENE, SEAL_ALL, {CHUNK("SCEN", 0, 28, 4, 0), EMPTY("CAMR", 0)}},
     {315, "environment_missing", SCENE, SEAL_ALL, {HIDE("ENVM", 0)}},
     {316, "gap_inside_geometry", SCENE, SEAL_ALL, {CHUNK("GEOM", 1, 63, 1, 1)}},
@@ -112,7 +122,8 @@ static bool empty_chunk(const change *c, forged *f)
     size_t count, table = forge_table(*f, &count);
     uint8_t *entry = forge_entry(*f, c->type, c->index);
     if (!entry) return false;
-    size_t offset = (size_t)forge_get(entry + 16, 8), size = ((size_t)forge_get(entry + 24, 8) + 63) / 64 * 64;
+    size_t offset = (size_t)forge_get(entry + 16, 8);
+    size_t size = ((size_t)forge_get(entry + 24, 8) + 63) / 64 * 64;
     forge_put(entry + 24, 0, 8);
     forge_put(entry + 32, 0, 8);
     for (size_t i = 0; i < count; i++) {

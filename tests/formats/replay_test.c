@@ -1,5 +1,5 @@
-/* The fuzz target on the corpus, on the golden files, and on golden files with random changes. Every corpus and
- * golden file is also read through a file, which must say the same as memory. */
+/* The fuzz target on the corpus, on the golden files, and on golden files with random changes. Every corpus
+ * and golden file is also read through a file, which must say the same as memory. */
 #include <dirent.h>
 #include <stdbool.h>
 #include <sys/stat.h>
@@ -32,7 +32,8 @@ static void compare_paths(const char *path, forged f)
     CHECK(in_memory == in_file && !strcmp(memory_error.message, file_error.message));
     al_file *one, *other;
     status = al_file_from_memory(path, f.data, f.size, NULL, &one, &memory_error);
-    CHECK(al_file_open(path, NULL, &other, &file_error) == status && !strcmp(memory_error.message, file_error.message));
+    CHECK(al_file_open(path, NULL, &other, &file_error) == status &&
+          !strcmp(memory_error.message, file_error.message));
     al_file_close(one);
     al_file_close(other);
 }
@@ -40,7 +41,24 @@ static void compare_paths(const char *path, forged f)
 /* Changes a few bytes, words or chunk entries: small numbers and extremes more often than chance would. */
 static void change(forged f, uint64_t *state)
 {
-    static const uint64_t extremes[] = {0, 1, 2, 3, 63, 64, 65, 127, 128, 255, 0x7f800000, 0x7fc00000, 0xff7fffff, 0x80000000, 0xffffffff, 0x7fffffffffffffff, 0xffffffffffffffff, 0xffffffffffffffc0};
+    static const uint64_t extremes[] = {0,
+                                        1,
+                                        2,
+                                        3,
+                                        63,
+                                        64,
+                                        65,
+                                        127,
+                                        128,
+                                        255,
+                                        0x7f800000,
+                                        0x7fc00000,
+                                        0xff7fffff,
+                                        0x80000000,
+                                        0xffffffff,
+                                        0x7fffffffffffffff,
+                                        0xffffffffffffffff,
+                                        0xffffffffffffffc0};
     int changes = 1 + (int)(random_bits(state) % 4);
     size_t count, table = forge_table(f, &count);
     for (int i = 0; i < changes && f.size; i++) {
@@ -49,7 +67,9 @@ static void change(forged f, uint64_t *state)
         size_t from = in_table ? table : 0, room = f.size - from;
         if (room < width) continue;
         size_t at = from + (size_t)(random_bits(state) % (room / width)) * width;
-        uint64_t value = random_bits(state) % 2 ? extremes[random_bits(state) % (sizeof extremes / sizeof *extremes)] : random_bits(state);
+        uint64_t value = random_bits(state) % 2
+                             ? extremes[random_bits(state) % (sizeof extremes / sizeof *extremes)]
+                             : random_bits(state);
         forge_put(f.data + at, value, width);
     }
 }
@@ -68,8 +88,10 @@ static int replay_folder(const char *folder, bool compare, forged *kept, int kep
         if (!f.data) continue;
         LLVMFuzzerTestOneInput(f.data, f.size);
         if (compare) compare_paths(path, f);
-        if (count < kept_limit) kept[count] = f;
-        else free(f.data);
+        if (count < kept_limit)
+            kept[count] = f;
+        else
+            free(f.data);
         count++;
     }
     if (open_folder) closedir(open_folder);
@@ -81,7 +103,8 @@ int main(void)
     enum { KEPT = 256 };
     static forged kept[KEPT];
     uint64_t state = 11;
-    int golden = replay_folder(AIRLIGHT_GOLDEN, true, kept, KEPT), corpus = replay_folder(AIRLIGHT_CORPUS, true, NULL, 0);
+    int golden = replay_folder(AIRLIGHT_GOLDEN, true, kept, KEPT),
+        corpus = replay_folder(AIRLIGHT_CORPUS, true, NULL, 0);
     CHECK(golden > 50 && golden <= KEPT);
     for (int i = 0; i < CHANGED_FILES && golden; i++) {
         forged f = forge_copy(kept[random_bits(&state) % (uint64_t)golden]);

@@ -1,4 +1,5 @@
-/* Scenes: every field comes back, large arrays without a copy; scenes that no reader would take are refused. */
+/* Scenes: every field comes back, large arrays without a copy; scenes that no reader would take are refused.
+ */
 #include "airlight/scene.h"
 
 #include <stddef.h>
@@ -17,53 +18,64 @@ static bool same_text(const char *a, const char *b)
 
 static bool same_mesh(const al_mesh *a, const al_mesh *b)
 {
-    if (a->vertex_count != b->vertex_count || a->index_count != b->index_count || a->submesh_count != b->submesh_count) return false;
+    if (a->vertex_count != b->vertex_count || a->index_count != b->index_count ||
+        a->submesh_count != b->submesh_count)
+        return false;
     if ((a->uv0 != NULL) != (b->uv0 != NULL) || (a->uv1 != NULL) != (b->uv1 != NULL)) return false;
     return same_text(a->name, b->name) && !memcmp(a->positions, b->positions, 12 * a->vertex_count) &&
-           !memcmp(a->normals, b->normals, 12 * a->vertex_count) && (!a->uv0 || !memcmp(a->uv0, b->uv0, 8 * a->vertex_count)) &&
-           (!a->uv1 || !memcmp(a->uv1, b->uv1, 8 * a->vertex_count)) && !memcmp(a->indices, b->indices, 4 * a->index_count) &&
+           !memcmp(a->normals, b->normals, 12 * a->vertex_count) &&
+           (!a->uv0 || !memcmp(a->uv0, b->uv0, 8 * a->vertex_count)) &&
+           (!a->uv1 || !memcmp(a->uv1, b->uv1, 8 * a->vertex_count)) &&
+           !memcmp(a->indices, b->indices, 4 * a->index_count) &&
            !memcmp(a->submeshes, b->submeshes, sizeof *a->submeshes * a->submesh_count);
 }
 
 static bool same_material(const al_material *a, const al_material *b)
 {
-    return same_text(a->name, b->name) && !memcmp(a->base_color, b->base_color, 12) && a->metallic == b->metallic &&
-           a->roughness == b->roughness && !memcmp(a->emission_w_m2_sr, b->emission_w_m2_sr, 12) && a->ior == b->ior &&
+    return same_text(a->name, b->name) && !memcmp(a->base_color, b->base_color, 12) &&
+           a->metallic == b->metallic && a->roughness == b->roughness &&
+           !memcmp(a->emission_w_m2_sr, b->emission_w_m2_sr, 12) && a->ior == b->ior &&
            a->double_sided == b->double_sided && a->base_color_texture == b->base_color_texture &&
-           a->emission_texture == b->emission_texture && a->metallic_roughness_texture == b->metallic_roughness_texture &&
+           a->emission_texture == b->emission_texture &&
+           a->metallic_roughness_texture == b->metallic_roughness_texture &&
            a->normal_texture == b->normal_texture;
 }
 
 static void compare(const al_scene *a, const al_scene *b)
 {
-    CHECK(a->texture_count == b->texture_count && a->material_count == b->material_count && a->mesh_count == b->mesh_count &&
-          a->instance_count == b->instance_count && a->medium_count == b->medium_count && a->translucent_count == b->translucent_count &&
+    CHECK(a->texture_count == b->texture_count && a->material_count == b->material_count &&
+          a->mesh_count == b->mesh_count && a->instance_count == b->instance_count &&
+          a->medium_count == b->medium_count && a->translucent_count == b->translucent_count &&
           a->light_count == b->light_count && a->camera_count == b->camera_count);
     for (uint32_t i = 0; i < a->texture_count; i++) {
         const al_texture *s = &a->textures[i], *t = &b->textures[i];
-        CHECK(same_text(s->name, t->name) && s->width == t->width && s->height == t->height && s->srgb == t->srgb &&
-              !memcmp(s->pixels, t->pixels, 4 * s->width * s->height));
+        CHECK(same_text(s->name, t->name) && s->width == t->width && s->height == t->height &&
+              s->srgb == t->srgb && !memcmp(s->pixels, t->pixels, 4 * s->width * s->height));
     }
     for (uint32_t i = 0; i < a->material_count; i++) CHECK(same_material(&a->materials[i], &b->materials[i]));
     for (uint32_t i = 0; i < a->mesh_count; i++) CHECK(same_mesh(&a->meshes[i], &b->meshes[i]));
     for (uint32_t i = 0; i < a->instance_count; i++) {
         const al_instance *s = &a->instances[i], *t = &b->instances[i];
-        CHECK(same_text(s->name, t->name) && s->mesh == t->mesh && s->role == t->role && s->translucent == t->translucent &&
-              !memcmp(s->world, t->world, sizeof s->world));
+        CHECK(same_text(s->name, t->name) && s->mesh == t->mesh && s->role == t->role &&
+              s->translucent == t->translucent && !memcmp(s->world, t->world, sizeof s->world));
     }
     for (uint32_t i = 0; i < a->medium_count; i++)
-        CHECK(same_text(a->media[i].name, b->media[i].name) && !memcmp(a->media[i].sigma_s_per_m, b->media[i].sigma_s_per_m, 28));
+        CHECK(same_text(a->media[i].name, b->media[i].name) &&
+              !memcmp(a->media[i].sigma_s_per_m, b->media[i].sigma_s_per_m, 28));
     for (uint32_t i = 0; i < a->translucent_count; i++) {
         const al_translucent_object *s = &a->translucents[i], *t = &b->translucents[i];
-        CHECK(same_text(s->name, t->name) && s->instance == t->instance && s->medium == t->medium && same_text(s->asset, t->asset));
+        CHECK(same_text(s->name, t->name) && s->instance == t->instance && s->medium == t->medium &&
+              same_text(s->asset, t->asset));
     }
     for (uint32_t i = 0; i < a->light_count; i++)
         CHECK(same_text(a->lights[i].name, b->lights[i].name) && a->lights[i].type == b->lights[i].type &&
               !memcmp(a->lights[i].vector, b->lights[i].vector, 24));
     for (uint32_t i = 0; i < a->camera_count; i++)
-        CHECK(same_text(a->cameras[i].name, b->cameras[i].name) && !memcmp(a->cameras[i].position, b->cameras[i].position, 40));
+        CHECK(same_text(a->cameras[i].name, b->cameras[i].name) &&
+              !memcmp(a->cameras[i].position, b->cameras[i].position, 40));
     CHECK(a->environment.width == b->environment.width && a->environment.height == b->environment.height);
-    CHECK(!a->environment.width || !memcmp(a->environment.pixels, b->environment.pixels, 12 * a->environment.width * a->environment.height));
+    CHECK(!a->environment.width || !memcmp(a->environment.pixels, b->environment.pixels,
+                                           12 * a->environment.width * a->environment.height));
     CHECK(!memcmp(a->environment.sh, b->environment.sh, sizeof a->environment.sh));
     CHECK(!memcmp(&a->play, &b->play, sizeof a->play));
 }
@@ -94,14 +106,16 @@ static void test_in_place(void)
     al_scene scene;
     if (!f.data || !aligned) exit(1);
     memcpy(aligned, f.data, f.size);
-    CHECK(al_file_from_memory("memory", aligned, f.size, NULL, &file, &error) == AL_OK && al_scene_read(file, &scene, &error) == AL_OK);
-    const void *arrays[] = {scene.meshes[0].positions, scene.meshes[0].normals, scene.meshes[0].uv1, scene.meshes[1].indices,
-                            scene.textures[0].pixels, scene.environment.pixels};
+    CHECK(al_file_from_memory("memory", aligned, f.size, NULL, &file, &error) == AL_OK &&
+          al_scene_read(file, &scene, &error) == AL_OK);
+    const void *arrays[] = {scene.meshes[0].positions, scene.meshes[0].normals,  scene.meshes[0].uv1,
+                            scene.meshes[1].indices,   scene.textures[0].pixels, scene.environment.pixels};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) {
         const uint8_t *at = arrays[i];
         CHECK(at >= aligned && at < aligned + f.size && (uintptr_t)at % 64 == 0);
     }
-    CHECK((const uint8_t *)scene.materials[0].name >= aligned && (const uint8_t *)scene.materials[0].name < aligned + f.size);
+    CHECK((const uint8_t *)scene.materials[0].name >= aligned &&
+          (const uint8_t *)scene.materials[0].name < aligned + f.size);
     al_scene_free(&scene);
     al_file_close(file);
     free(aligned);
@@ -112,7 +126,8 @@ static void refuse(const char *path, const al_scene *scene, const char *words)
 {
     al_error error = {0};
     al_status status = al_scene_write(path, scene, NULL, NULL, &error);
-    if (status != AL_BAD_INPUT || !strstr(error.message, words)) fprintf(stderr, "wanted '%s', got %d: %s\n", words, status, error.message);
+    if (status != AL_BAD_INPUT || !strstr(error.message, words))
+        fprintf(stderr, "wanted '%s', got %d: %s\n", words, status, error.message);
     CHECK(status == AL_BAD_INPUT && strstr(error.message, words));
     CHECK(access(path, F_OK) != 0);
 }

@@ -1,5 +1,5 @@
-/* A second reader, written from docs/formats.md alone and sharing nothing with the library but XXH64: reads the
- * golden files' header, table, checksums and fields. */
+/* A second reader, written from docs/formats.md alone and sharing nothing with the library but XXH64: reads
+ * the golden files' header, table, checksums and fields. */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +16,8 @@ typedef struct source {
 static uint64_t number(const source *s, size_t at, int count)
 {
     uint64_t value = 0;
-    for (int i = count - 1; i >= 0; i--) value = 256 * value + (at + (size_t)i < s->size ? s->bytes[at + (size_t)i] : 0);
+    for (int i = count - 1; i >= 0; i--)
+        value = 256 * value + (at + (size_t)i < s->size ? s->bytes[at + (size_t)i] : 0);
     return value;
 }
 
@@ -62,13 +63,15 @@ static void check_container(const source *s, unsigned kind)
 {
     static const unsigned char magic[] = {0x8b, 0x41, 0x49, 0x52, 0x0d, 0x0a, 0x1a, 0x0a};
     size_t table = number(s, 24, 8), count = number(s, 32, 4), next = 128;
-    CHECK(!memcmp(s->bytes, magic, 8) && number(s, 8, 2) == 1 && number(s, 10, 2) == 0 && number(s, 12, 4) == kind);
+    CHECK(!memcmp(s->bytes, magic, 8) && number(s, 8, 2) == 1 && number(s, 10, 2) == 0 &&
+          number(s, 12, 4) == kind);
     CHECK(number(s, 16, 8) == s->size && table + 48 * count == s->size && number(s, 36, 4) == 0);
     CHECK(!strncmp((const char *)s->bytes + 40, "airlight ", 9) && s->bytes[103] == 0);
     CHECK(number(s, 120, 8) == XXH64(s->bytes + table, 48 * count, XXH64(s->bytes, 120, 0)));
     for (size_t entry = table; entry < s->size; entry += 48) {
         size_t size = number(s, entry + 24, 8), padded = (size + 63) & ~(size_t)63;
-        CHECK(number(s, entry + 16, 8) == next && number(s, entry + 32, 8) == size && number(s, entry + 4, 2) == 1);
+        CHECK(number(s, entry + 16, 8) == next && number(s, entry + 32, 8) == size &&
+              number(s, entry + 4, 2) == 1);
         CHECK(number(s, entry + 40, 8) == XXH64(s->bytes + next, padded, 0));
         CHECK(number(s, entry + 8, 4) == (memcmp(s->bytes + entry, "PROV", 4) ? 0 : 1));
         for (size_t i = size; i < padded; i++) CHECK(s->bytes[next + i] == 0);
@@ -88,13 +91,18 @@ static void check_translucent(void)
     const source *s = load("translucent_byte_1_0.air");
     size_t size, info = chunk(s, "INFO", 0, &size);
     check_container(s, 2);
-    CHECK(size == 148 && number(s, info, 4) == 5 && number(s, info + 4, 4) == 2 && number(s, info + 8, 4) == 2);
+    CHECK(size == 148 && number(s, info, 4) == 5 && number(s, info + 4, 4) == 2 &&
+          number(s, info + 8, 4) == 2);
     CHECK(number(s, info + 12, 4) == 3 && number(s, info + 16, 4) == 2 && number(s, info + 20, 4) == 128);
     CHECK(number(s, info + 24, 4) == 3 && number(s, info + 32, 4) == 2 && number(s, info + 36, 4) == 1);
-    CHECK(real(s, info + 40) == -0.75 && real(s, info + 52) == 0.5 && real(s, info + 56) == 2 && real(s, info + 68) == 4);
-    CHECK(real(s, info + 72) == 0.5 && real(s, info + 84) == -0.25 && real(s, info + 88) == 1.5 && real(s, info + 96) == -0.375);
-    CHECK(real(s, info + 112) == 0.625 && number(s, info + 116, 8) == 0x3fe0000000000000 && number(s, info + 124, 8) == 0x3fb0000000000000);
-    CHECK(real(s, info + 132) == 3 && real(s, info + 136) == 0.9375 && real(s, info + 140) == 0.0625 && real(s, info + 144) == 0.5);
+    CHECK(real(s, info + 40) == -0.75 && real(s, info + 52) == 0.5 && real(s, info + 56) == 2 &&
+          real(s, info + 68) == 4);
+    CHECK(real(s, info + 72) == 0.5 && real(s, info + 84) == -0.25 && real(s, info + 88) == 1.5 &&
+          real(s, info + 96) == -0.375);
+    CHECK(real(s, info + 112) == 0.625 && number(s, info + 116, 8) == 0x3fe0000000000000 &&
+          number(s, info + 124, 8) == 0x3fb0000000000000);
+    CHECK(real(s, info + 132) == 3 && real(s, info + 136) == 0.9375 && real(s, info + 140) == 0.0625 &&
+          real(s, info + 144) == 0.5);
     size_t grid = chunk(s, "GRID", 0, &size);
     CHECK(size == 24 && number(s, grid + 2 * 11, 2) == 65535 - 55000);
     size_t blockers = chunk(s, "BLOK", 0, &size);
@@ -104,10 +112,12 @@ static void check_translucent(void)
         size_t page = chunk(s, "PAGE", i / 2, &size), gaussians = up(12 * (size_t)count);
         size_t scales = up(gaussians + 16 * (size_t)count), coefficients = up(scales + 12 * (size_t)count);
         CHECK(size == coefficients + 12 * (size_t)count);
-        CHECK(real(s, page + 12 * (size_t)in_page) == -0.25 + 0.125 * i && real(s, page + gaussians + 16 * (size_t)in_page + 4) == 1 - 0.125 * i);
+        CHECK(real(s, page + 12 * (size_t)in_page) == -0.25 + 0.125 * i &&
+              real(s, page + gaussians + 16 * (size_t)in_page + 4) == 1 - 0.125 * i);
         for (int k = 0; k < 12; k++) {
             double scale = real(s, page + scales + 4 * (size_t)(3 * in_page + k / 4));
-            double value = (double)(int8_t)number(s, page + coefficients + (size_t)(12 * in_page + k), 1) / 127 * scale;
+            double value =
+                (double)(int8_t)number(s, page + coefficients + (size_t)(12 * in_page + k), 1) / 127 * scale;
             double wanted = k % 4 == 0 ? 2.5 - 0.125 * i : 0.375 / (k + 1) * (k % 2 ? 1 : -1);
             CHECK(scale == 2.5 - 0.125 * i);
             CHECK_NEAR(value, wanted, scale / 254 + 1e-6);
@@ -150,26 +160,35 @@ static void check_scene(void)
     size_t at = chunk(s, "TEXR", 0, &size);
     CHECK(size == 16 && text_is(s, at, "checker") && number(s, at + 4, 4) == 2 && number(s, at + 12, 4) == 1);
     at = chunk(s, "MATL", 0, &size) + 60;
-    CHECK(size == 120 && text_is(s, at, "wax") && real(s, at + 16) == 0.25 && real(s, at + 28) == 2 && real(s, at + 36) == 1.25);
+    CHECK(size == 120 && text_is(s, at, "wax") && real(s, at + 16) == 0.25 && real(s, at + 28) == 2 &&
+          real(s, at + 36) == 1.25);
     CHECK(number(s, at + 40, 4) == 0 && number(s, at + 44, 4) == 0xffffffff && number(s, at + 48, 4) == 0);
     at = chunk(s, "MESH", 0, &size);
-    CHECK(size == 48 && text_is(s, at, "quad") && number(s, at + 4, 4) == 4 && number(s, at + 8, 4) == 6 && number(s, at + 12, 4) == 2);
+    CHECK(size == 48 && text_is(s, at, "quad") && number(s, at + 4, 4) == 4 && number(s, at + 8, 4) == 6 &&
+          number(s, at + 12, 4) == 2);
     CHECK(number(s, at + 16, 4) == 1 && number(s, at + 24 + 16, 4) == 0);
     at = chunk(s, "SUBM", 0, &size);
-    CHECK(size == 36 && number(s, at + 12, 4) == 3 && number(s, at + 20, 4) == 1 && number(s, at + 28, 4) == 12);
+    CHECK(size == 36 && number(s, at + 12, 4) == 3 && number(s, at + 20, 4) == 1 &&
+          number(s, at + 28, 4) == 12);
     at = chunk(s, "INST", 0, &size) + 160;
-    CHECK(size == 240 && text_is(s, at, "wick") && number(s, at + 4, 4) == 1 && number(s, at + 8, 4) == 2 && number(s, at + 12, 4) == 0);
+    CHECK(size == 240 && text_is(s, at, "wick") && number(s, at + 4, 4) == 1 && number(s, at + 8, 4) == 2 &&
+          number(s, at + 12, 4) == 0);
     CHECK(real(s, at + 16) == 0.25 && real(s, at + 16 + 4 * 12) == 0.125);
     at = chunk(s, "MEDI", 0, &size);
-    CHECK(size == 32 && text_is(s, at, "wax") && real(s, at + 4) == 8 && real(s, at + 24) == 1 && real(s, at + 28) == 0.5);
+    CHECK(size == 32 && text_is(s, at, "wax") && real(s, at + 4) == 8 && real(s, at + 24) == 1 &&
+          real(s, at + 28) == 0.5);
     at = chunk(s, "TRAN", 0, &size);
-    CHECK(size == 16 && text_is(s, at, "candle") && number(s, at + 4, 4) == 1 && text_is(s, at + 12, "candle.translucent.air"));
+    CHECK(size == 16 && text_is(s, at, "candle") && number(s, at + 4, 4) == 1 &&
+          text_is(s, at + 12, "candle.translucent.air"));
     at = chunk(s, "LITE", 0, &size) + 32;
-    CHECK(size == 64 && text_is(s, at, "lamp") && number(s, at + 4, 4) == 1 && real(s, at + 16) == 3 && real(s, at + 28) == 30);
+    CHECK(size == 64 && text_is(s, at, "lamp") && number(s, at + 4, 4) == 1 && real(s, at + 16) == 3 &&
+          real(s, at + 28) == 30);
     at = chunk(s, "CAMR", 0, &size);
-    CHECK(size == 44 && text_is(s, at, "main") && real(s, at + 4) == 2 && real(s, at + 20) == 0.25 && real(s, at + 32) == 1 && real(s, at + 40) == 0.75);
+    CHECK(size == 44 && text_is(s, at, "main") && real(s, at + 4) == 2 && real(s, at + 20) == 0.25 &&
+          real(s, at + 32) == 1 && real(s, at + 40) == 0.75);
     at = chunk(s, "GEOM", 0, &size);
-    CHECK(size == 4 * 64 + 24 && real(s, at) == -1 && real(s, at + 64 + 4) == 1 && real(s, at + 128 + 12) == 1 && real(s, at + 192 + 12) == 0.75);
+    CHECK(size == 4 * 64 + 24 && real(s, at) == -1 && real(s, at + 64 + 4) == 1 &&
+          real(s, at + 128 + 12) == 1 && real(s, at + 192 + 12) == 0.75);
     CHECK(number(s, at + 256 + 16, 4) == 2);
     at = chunk(s, "GEOM", 1, &size);
     CHECK(size == 128 + 48 && number(s, at + 128 + 4, 4) == 2);

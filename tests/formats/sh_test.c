@@ -7,7 +7,8 @@
 #include "../test.h"
 #include "airlight/formulas.h"
 
-/* Deterministic numbers in [-1, 1): the low bits of a 64-bit linear congruence are poor, so take high ones. */
+/* Deterministic numbers in [-1, 1): the low bits of a 64-bit linear congruence are poor, so take high ones.
+ */
 static double random_signed(uint64_t *state)
 {
     *state = *state * 6364136223846793005u + 1442695040888963407u;
@@ -51,7 +52,10 @@ static void test_orthonormality(void)
     double s[AL_SH_MAX_COUNT], worst = 0;
     for (int i = 0; i <= STEPS; i++) {
         double z = -1 + 2.0 * i / STEPS, r = sqrt(fmax(0, 1 - z * z));
-        double weight = (i == 0 || i == STEPS ? 1 : i % 2 ? 4 : 2) * (2.0 / STEPS) / 3 * (2 * AL_PI / AZIMUTHS);
+        double weight = (i == 0 || i == STEPS ? 1
+                         : i % 2              ? 4
+                                              : 2) *
+                        (2.0 / STEPS) / 3 * (2 * AL_PI / AZIMUTHS);
         for (int j = 0; j < AZIMUTHS; j++) {
             double angle = 2 * AL_PI * (j + 0.5) / AZIMUTHS;
             al_sh_basis(AL_SH_MAX_ORDER, r * cos(angle), r * sin(angle), z, s);
@@ -102,9 +106,9 @@ static void random_rotation(uint64_t *state, float r[9])
     } while (square > 1 || square < 0.01);
     for (int i = 0; i < 4; i++) q[i] /= sqrt(square);
     double w = q[0], x = q[1], y = q[2], z = q[3];
-    double m[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
-                   2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
-                   2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)};
+    double m[9] = {1 - 2 * (y * y + z * z), 2 * (x * y - w * z),     2 * (x * z + w * y),
+                   2 * (x * y + w * z),     1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
+                   2 * (x * z - w * y),     2 * (y * z + w * x),     1 - 2 * (x * x + y * y)};
     for (int i = 0; i < 9; i++) r[i] = (float)m[i];
 }
 
@@ -142,7 +146,8 @@ static void test_rotation(void)
 }
 
 /* Quarter turns have exact float matrices, so each coefficient must come out to 1e-6: about z by 90 degrees
- * x goes to y and y to -x; every other coefficient is checked by four turns giving the first function back. */
+ * x goes to y and y to -x; every other coefficient is checked by four turns giving the first function back.
+ */
 static void test_quarter_turns(void)
 {
     const float about_z[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1}, about_x[9] = {1, 0, 0, 0, 0, -1, 0, 1, 0};
@@ -182,7 +187,8 @@ static void test_phase(void)
     }
 }
 
-/* The whole set: pairs are exact mirrors, so the sum is zero up to the rounding of the summation; lengths 1. */
+/* The whole set: pairs are exact mirrors, so the sum is zero up to the rounding of the summation; lengths 1.
+ */
 static void test_direction_set(uint32_t count)
 {
     double sum[3] = {0}, w[3], mirror[3];
@@ -217,8 +223,10 @@ static double quadrature_error(uint32_t count, int order)
  * the directions gain at least 4 times (measured: 7 and 6). Random directions would gain 2. */
 static void test_quadrature(void)
 {
-    double at_128 = quadrature_error(128, 5), at_512 = quadrature_error(512, 5), at_2048 = quadrature_error(2048, 5);
-    printf("mean of harmonics of bands 1 to 4: %.2e at 128 directions, %.2e at 512, %.2e at 2048\n", at_128, at_512, at_2048);
+    double at_128 = quadrature_error(128, 5), at_512 = quadrature_error(512, 5),
+           at_2048 = quadrature_error(2048, 5);
+    printf("mean of harmonics of bands 1 to 4: %.2e at 128 directions, %.2e at 512, %.2e at 2048\n", at_128,
+           at_512, at_2048);
     CHECK(at_512 * 4 <= at_128);
     CHECK(at_2048 * 4 <= at_512);
 }

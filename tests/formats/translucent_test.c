@@ -37,18 +37,40 @@ static cloud *make_cloud(al_coefficient_format format)
         c->gaussians[4 * i + 3] = (float)random_unit(&state);
     }
     for (int i = 0; i < SAMPLES * CHANNELS * SET; i++)
-        c->coefficients[i] = (float)(i % SET == 0 ? 1 + random_unit(&state) : (random_unit(&state) - 0.5) / (1 + i % SET));
+        c->coefficients[i] =
+            (float)(i % SET == 0 ? 1 + random_unit(&state) : (random_unit(&state) - 0.5) / (1 + i % SET));
     for (int i = 0; i < 4 * 5 * 6; i++) {
         c->density[i] = (uint16_t)(i * 500);
         c->blockers[i] = (uint8_t)i;
     }
-    c->data = (al_translucent_data){
-        {.sample_count = SAMPLES, .page_size = PAGE_SIZE, .order = ORDER, .channel_count = CHANNELS, .format = format,
-         .direction_count = 512, .grid_size = {4, 5, 6}, .grid_origin_m = {-1, -1, -1}, .voxel_m = 0.4f, .density_max = 3,
-         .sigma_s_per_m = {1, 2, 3}, .sigma_a_per_m = {0.1f, 0.2f, 0.3f}, .g = 0.3f, .ior = 1.3f, .bounds_min_m = {-1, -1, -1},
-         .bounds_max_m = {1, 1, 1}, .volume_m3 = 8, .radius_m = 0.1, .rho_quantile = 2, .unity_mean = 1, .unity_deviation = 0.1f,
-         .unity_worst = 0.4f},
-        c->positions, c->gaussians, c->coefficients, c->density, c->blockers, "{\"seed\": 1}"};
+    c->data = (al_translucent_data){{.sample_count = SAMPLES,
+                                     .page_size = PAGE_SIZE,
+                                     .order = ORDER,
+                                     .channel_count = CHANNELS,
+                                     .format = format,
+                                     .direction_count = 512,
+                                     .grid_size = {4, 5, 6},
+                                     .grid_origin_m = {-1, -1, -1},
+                                     .voxel_m = 0.4f,
+                                     .density_max = 3,
+                                     .sigma_s_per_m = {1, 2, 3},
+                                     .sigma_a_per_m = {0.1f, 0.2f, 0.3f},
+                                     .g = 0.3f,
+                                     .ior = 1.3f,
+                                     .bounds_min_m = {-1, -1, -1},
+                                     .bounds_max_m = {1, 1, 1},
+                                     .volume_m3 = 8,
+                                     .radius_m = 0.1,
+                                     .rho_quantile = 2,
+                                     .unity_mean = 1,
+                                     .unity_deviation = 0.1f,
+                                     .unity_worst = 0.4f},
+                                    c->positions,
+                                    c->gaussians,
+                                    c->coefficients,
+                                    c->density,
+                                    c->blockers,
+                                    "{\"seed\": 1}"};
     return c;
 }
 
@@ -65,7 +87,8 @@ static double encoding_error(const al_translucent_info *info, const float *wante
     double worst = 0, largest = 0;
     for (int k = 0; k < SET; k++) largest = fmax(largest, fabs(wanted[k]));
     for (int k = 0; k < SET; k++) {
-        /* half: 2^-11 of the value, 2^-25 below 2^-14. byte: half a step of largest/127, and float rounding. */
+        /* half: 2^-11 of the value, 2^-25 below 2^-14. byte: half a step of largest/127, and float rounding.
+         */
         double allowed = info->format == AL_COEFFICIENT_FLOAT  ? 0
                          : info->format == AL_COEFFICIENT_HALF ? fmax(fabs(wanted[k]) * 0x1p-11, 0x1p-25)
                                                                : largest / 254 * (1 + 1e-5);
@@ -86,13 +109,16 @@ static void check_pages(const al_file *file, const al_translucent_info *info, co
         CHECK(al_translucent_read_page(file, info, p, &page, &error) == AL_OK);
         CHECK(page.first == next && page.count == (p < 3 ? PAGE_SIZE : SAMPLES - 3 * PAGE_SIZE));
         CHECK((page.scales != NULL) == (info->format == AL_COEFFICIENT_BYTE));
-        CHECK((uintptr_t)page.positions % 64 == 0 && (uintptr_t)page.gaussians % 64 == 0 && (uintptr_t)page.coefficients % 64 == 0);
+        CHECK((uintptr_t)page.positions % 64 == 0 && (uintptr_t)page.gaussians % 64 == 0 &&
+              (uintptr_t)page.coefficients % 64 == 0);
         CHECK(!memcmp(page.positions, c->positions + 3 * next, page.count * 12));
         CHECK(!memcmp(page.gaussians, c->gaussians + 4 * next, page.count * 16));
         for (uint32_t i = 0; i < page.count; i++)
             for (uint32_t channel = 0; channel < CHANNELS; channel++) {
                 al_translucent_decode(info, &page, i, channel, coefficients);
-                worst = fmax(worst, encoding_error(info, c->coefficients + ((next + i) * CHANNELS + channel) * SET, coefficients));
+                worst = fmax(worst,
+                             encoding_error(info, c->coefficients + ((next + i) * CHANNELS + channel) * SET,
+                                            coefficients));
             }
     }
     CHECK(worst <= 1);
@@ -106,22 +132,25 @@ static uint32_t brute_force(const cloud *c, const double x[3], const double w[3]
     uint32_t used = 0;
     al_sh_basis(ORDER, w[0], w[1], w[2], basis);
     for (int i = 0; i < SAMPLES; i++) {
-        double d[3] = {x[0] - c->positions[3 * i], x[1] - c->positions[3 * i + 1], x[2] - c->positions[3 * i + 2]};
+        double d[3] = {x[0] - c->positions[3 * i], x[1] - c->positions[3 * i + 1],
+                       x[2] - c->positions[3 * i + 2]};
         double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
         if (square > (double)c->gaussians[4 * i + 2] * c->gaussians[4 * i + 2]) continue;
         double gamma = c->gaussians[4 * i + 1] * exp(-c->gaussians[4 * i] * square);
         used++;
         total += gamma;
         for (int channel = 0; channel < CHANNELS; channel++)
-            for (int k = 0; k < SET; k++) sums[channel] += gamma * basis[k] * c->coefficients[(i * CHANNELS + channel) * SET + k];
+            for (int k = 0; k < SET; k++)
+                sums[channel] += gamma * basis[k] * c->coefficients[(i * CHANNELS + channel) * SET + k];
     }
-    for (int channel = 0; channel < CHANNELS; channel++) transmittance[channel] = fmin(fmax(used ? sums[channel] / total : 1, 0), 1);
+    for (int channel = 0; channel < CHANNELS; channel++)
+        transmittance[channel] = fmin(fmax(used ? sums[channel] / total : 1, 0), 1);
     return used;
 }
 
-/* psi is a sum of 25 coefficients of at most 2 times harmonics below 1.1 (sqrt(9/(4 pi)) is 0.85, the tesseral
- * ones of band 4 reach 1.07). An encoding error e of each gives at most 25 x 1.1 e: e is 2 x 2^-11 for halves,
- * 2/254 for bytes; floats leave the rounding of the answer itself. */
+/* psi is a sum of 25 coefficients of at most 2 times harmonics below 1.1 (sqrt(9/(4 pi)) is 0.85, the
+ * tesseral ones of band 4 reach 1.07). An encoding error e of each gives at most 25 x 1.1 e: e is 2 x 2^-11
+ * for halves, 2/254 for bytes; floats leave the rounding of the answer itself. */
 static void check_answers(const al_file *file, const al_translucent_info *info, const cloud *c)
 {
     static const double bounds[] = {1e-6, 25 * 1.1 * 2 * 0x1p-11, 25 * 1.1 * 2 / 254};
@@ -155,9 +184,11 @@ static void test_format(const char *path, al_coefficient_format format)
     CHECK(al_translucent_write(path, &c->data, &bytes, &error) == AL_OK);
     CHECK(al_file_open(path, NULL, &file, &error) == AL_OK && al_file_size(file) == bytes);
     if (!file) exit(1);
-    CHECK(al_translucent_read(file, &info, &error) == AL_OK && same_info(&c->data.info, &info) && info.has_blockers);
+    CHECK(al_translucent_read(file, &info, &error) == AL_OK && same_info(&c->data.info, &info) &&
+          info.has_blockers);
     CHECK(al_translucent_read_grid(file, &info, &density, &blockers, &error) == AL_OK);
-    CHECK(!memcmp(density, c->density, sizeof c->density) && !memcmp(blockers, c->blockers, sizeof c->blockers));
+    CHECK(!memcmp(density, c->density, sizeof c->density) &&
+          !memcmp(blockers, c->blockers, sizeof c->blockers));
     check_pages(file, &info, c);
     check_answers(file, &info, c);
     al_file_close(file);
@@ -175,7 +206,8 @@ static void test_questions(const char *path)
     uint32_t used;
     const float far[3] = {50, 0, 0}, up[3] = {0, 1, 0}, nowhere[3] = {0}, wild[3] = {NAN, 0, 0};
     CHECK(al_translucent_write(path, &c->data, NULL, &error) == AL_OK);
-    CHECK(al_file_open(path, NULL, &file, &error) == AL_OK && al_translucent_read(file, &info, &error) == AL_OK);
+    CHECK(al_file_open(path, NULL, &file, &error) == AL_OK &&
+          al_translucent_read(file, &info, &error) == AL_OK);
     CHECK(al_translucent_evaluate(file, &info, far, up, answer, &used, &error) == AL_OK && used == 0);
     CHECK(answer[0] == 1 && answer[1] == 1 && answer[2] == 1);
     CHECK(al_translucent_evaluate(file, &info, far, nowhere, answer, &used, &error) == AL_USAGE);
@@ -198,9 +230,11 @@ static void test_no_samples(const char *path)
     c->data.info.sample_count = 0;
     c->data.info.page_size = 0; /* default */
     CHECK(al_translucent_write(path, &c->data, NULL, &error) == AL_OK);
-    CHECK(al_file_open(path, NULL, &file, &error) == AL_OK && al_translucent_read(file, &info, &error) == AL_OK);
+    CHECK(al_file_open(path, NULL, &file, &error) == AL_OK &&
+          al_translucent_read(file, &info, &error) == AL_OK);
     CHECK(info.page_size > 0 && al_translucent_page_count(&info) == 0);
-    CHECK(al_translucent_evaluate(file, &info, up, up, answer, &used, &error) == AL_OK && used == 0 && answer[0] == 1);
+    CHECK(al_translucent_evaluate(file, &info, up, up, answer, &used, &error) == AL_OK && used == 0 &&
+          answer[0] == 1);
     al_file_close(file);
     unlink(path);
     free(c);
@@ -214,20 +248,25 @@ static void test_refusals(const char *folder, const char *path)
     CHECK(al_translucent_write(path, &c->data, NULL, &error) == AL_OK);
     forged before = forge_load(path);
     c->coefficients[7] = NAN;
-    CHECK(al_translucent_write(path, &c->data, NULL, &error) == AL_BAD_INPUT && strstr(error.message, "(rule 131)"));
+    CHECK(al_translucent_write(path, &c->data, NULL, &error) == AL_BAD_INPUT &&
+          strstr(error.message, "(rule 131)"));
     c->coefficients[7] = 0;
     c->data.info.order = 9;
-    CHECK(al_translucent_write(path, &c->data, NULL, &error) == AL_BAD_INPUT && strstr(error.message, "order is 9"));
+    CHECK(al_translucent_write(path, &c->data, NULL, &error) == AL_BAD_INPUT &&
+          strstr(error.message, "order is 9"));
     c->data.info.order = ORDER;
     c->gaussians[4 * 400 + 2] = 0;
-    CHECK(al_translucent_write(path, &c->data, NULL, &error) == AL_BAD_INPUT && strstr(error.message, "sample 400"));
+    CHECK(al_translucent_write(path, &c->data, NULL, &error) == AL_BAD_INPUT &&
+          strstr(error.message, "sample 400"));
     c->gaussians[4 * 400 + 2] = 1;
     c->data.provenance_json = "not JSON";
-    CHECK(al_translucent_write(path, &c->data, NULL, &error) == AL_BAD_INPUT && strstr(error.message, "(rule 134)"));
+    CHECK(al_translucent_write(path, &c->data, NULL, &error) == AL_BAD_INPUT &&
+          strstr(error.message, "(rule 134)"));
     c->data.provenance_json = NULL;
     c->data.info.format = AL_COEFFICIENT_HALF;
     c->coefficients[0] = 70000; /* no half is that large */
-    CHECK(al_translucent_write(path, &c->data, NULL, &error) == AL_BAD_INPUT && strstr(error.message, "(rule 131)"));
+    CHECK(al_translucent_write(path, &c->data, NULL, &error) == AL_BAD_INPUT &&
+          strstr(error.message, "(rule 131)"));
     forged after = forge_load(path);
     CHECK(after.size == before.size && !memcmp(after.data, before.data, before.size));
     CHECK(folder_count(folder) == 1);

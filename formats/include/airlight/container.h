@@ -48,7 +48,8 @@ al_status al_writer_open(const char *path, al_kind kind, al_writer **writer, al_
 /* Appends one chunk; `data` may be NULL when size is 0. */
 al_status al_writer_add(al_writer *writer, const char type[5], uint16_t version, uint32_t flags,
                         const void *data, size_t size, al_error *error);
-/* Writes the table and header, syncs and renames. Frees the writer in every case. bytes may be NULL. */
+/* Writes the table and header, reads the file back with every check of its kind (AL_BAD_INPUT when the chunks
+ * make no valid asset), syncs and renames. Frees the writer in every case. bytes may be NULL. */
 al_status al_writer_commit(al_writer *writer, uint64_t *bytes, al_error *error);
 /* Removes the temporary file and frees the writer. NULL is allowed. */
 void al_writer_discard(al_writer *writer);

@@ -70,7 +70,8 @@ al_status al_translucent_read_grid(const al_file *file, const al_translucent_inf
 void al_translucent_decode(const al_translucent_info *info, const al_translucent_page *page, uint32_t index,
                            uint32_t channel, float *coefficients);
 /* What the asset says of the transmittance at a point: the gamma-weighted mean of psi_i(direction), clamped
- * to [0, 1]; samples_used counts the Gaussians that reach the point (0: transmittance is 1, vacuum). */
+ * to [0, 1]; samples_used counts the Gaussians that reach the point (0: transmittance is 1, vacuum). The
+ * direction may have any length but 0 (AL_USAGE). Reads and verifies every page: not for each frame. */
 al_status al_translucent_evaluate(const al_file *file, const al_translucent_info *info,
                                   const float position[3], const float direction[3],
                                   float transmittance[3], uint32_t *samples_used, al_error *error);
@@ -86,7 +87,8 @@ typedef struct al_translucent_data {
     const char *provenance_json; /* settings and content hashes of the inputs: kept as chunk PROV */
 } al_translucent_data;
 
-/* Encodes (info.format), pages and writes the whole asset atomically. bytes may be NULL. */
+/* Encodes (info.format), pages (info.page_size; 0: 4096) and writes the whole asset atomically; has_blockers
+ * follows `blockers`. Errors of the encodings: docs/formats.md. bytes may be NULL. */
 al_status al_translucent_write(const char *path, const al_translucent_data *data, uint64_t *bytes,
                                al_error *error);
 
