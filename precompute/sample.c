@@ -12,8 +12,8 @@
 
 #include "point_grid.h"
 
-/* Throwing ends when as many darts as there are samples add fewer than this share of them. */
-static const double saturation_share = 0.004;
+/* Throwing ends when this many darts were thrown for each that stuck; by then about one in 200 sticks. */
+enum { DARTS_PER_SAMPLE = 32 };
 static const double count_tolerance = 0.01;
 enum { SOLVE_LIMIT = 12 };
 static const uint32_t sample_limit = 16u << 20;
@@ -122,37 +122,46 @@ static al_status throw_darts(const thrower *t, double radius, al_samples *sample
     samples->distances = malloc(capacity * sizeof *samples->distances);
     if (!samples->positions || !samples->distances) return al_fail(error, AL_IO, "out of memory for samples");
     status = al_point_grid_create(samples->positions, capacity, t->low, t->high, radius, &placed, error);
-    for (uint32_t added = 256, round = 256; status == AL_OK && added > saturation_share * round;) {
-        added = 0;
-        round = samples->count > 256 ? samples->count : 256;
-        for (uint32_t n = 0; n < round && status == AL_OK; n++) {
-            double point[3];
-            if (!al_candidate(t->candidates, dart++, point)) continue;
-            for (int i = 0; i < 3; i++) point[i] = (float)point[i]; /* what is stored is what is tested */
-            double distance = (float)distance_at(t, radius, point);
-            if (!fits(&placed, samples->distances, point, distance, 1)) continue;
-            if (samples->count == capacity) status = grow(samples, &capacity, &placed, error);
-            if (status != AL_OK) break;
-            if (samples->count == sample_limit) {
-                status = al_fail(error, AL_BAD_INPUT, "radius_m %g asks for more than %u samples; enlarge it", radius, sample_limit);
-                break;
-            }
-            for (int i = 0; i < 3; i++) samples->positions[3 * (size_t)samples->count + i] = (float)point[i];
-            samples->distances[samples->count] = (float)distance;
-            al_point_grid_insert(&placed, samples->count++);
-            added++;
-        }
-        if (status == AL_OK && al_progress_update(t->progress, samples->count, t->expected))
+    for (; status == AL_OK && dart < 256 + DARTS_PER_SAMPLE * (uint64_t)samples->count; dart++) {
+        double point[3];
+        if (dart % 65536 == 65535 && al_progress_update(t->progress, samples->count, t->expected))
             status = al_fail(error, AL_CANCELLED, "cancelled");
+        if (!al_candidate(t->candidates, dart, point)) continue;
+        for (int i = 0; i < 3; i++) point[i] = (float)point[i]; /* what is stored is what is tested */
+        double distance = (float)distance_at(t, radius, point);
+        if (!fits(&placed, samples->distances, point, distance, 1)) continue;
+        if (samples->count == sample_limit)
+            status = al_fail(error, AL_BAD_INPUT, "radius_m %g asks for more than %u samples; enlarge it", radius, sample_limit);
+        else if (samples->count == capacity)
+            status = grow(samples, &capacity, &placed, error);
+        if (status != AL_OK) break;
+        for (int i = 0; i < 3; i++) samples->positions[3 * (size_t)samples->count + i] = (float)point[i];
+        samples->distances[samples->count] = (float)distance;
+        al_point_grid_insert(&placed, samples->count++);
     }
     al_point_grid_free(&placed);
     return status;
 }
 
+/* A first guess of r: dart throwing ends with about 0.6 samples per delta^3 (measured), and delta is r times
+ * what it is for r = 1. */
+static double guess_radius(const thrower *t, uint32_t asked)
+{
+    const al_grid *grid = t->grid;
+    double samples = 0;
+    for (size_t i = 0; i < al_grid_count(grid); i++) {
+        if (!grid->inside[i]) continue;
+        double distance = t->rho[i] > 0 ? 0.5 * t->rho_quantile / t->rho[i] : 2;
+        samples += 0.6 / pow(fmin(fmax(distance, 0.5), 2), 3);
+    }
+    return grid->voxel_m * cbrt(samples / asked);
+}
+
 /* The count falls with the cube of r where the object is large beside r; the secant in log-log follows what
  * it really does. */
-static al_status solve_radius(const thrower *t, const char *name, uint32_t asked, double radius, al_samples *samples, al_error *error)
+static al_status solve_radius(const thrower *t, const char *name, uint32_t asked, al_samples *samples, al_error *error)
 {
+    double radius = guess_radius(t, asked);
     double previous_radius = 0, previous_count = 0;
     for (int attempt = 0; attempt < SOLVE_LIMIT; attempt++) {
         al_status status = throw_darts(t, radius, samples, error);
@@ -241,7 +250,7 @@ al_status al_sample_interior(const char *name, const al_grid *grid, const float 
     status = find_quantile(grid, rho, &t.rho_quantile, error);
     samples->volume_m3 = medium_volume(grid, candidates.running_volume[interior->count - 1]);
     if (status == AL_OK && options->count > 0)
-        status = solve_radius(&t, name, options->count, cbrt(samples->volume_m3 / (2.0 * options->count)), samples, error);
+        status = solve_radius(&t, name, options->count, samples, error);
     else if (status == AL_OK) {
         t.expected = (uint32_t)fmin(samples->volume_m3 / (2 * pow(options->radius_m, 3)) + 1, sample_limit);
         status = throw_darts(&t, options->radius_m, samples, error);
