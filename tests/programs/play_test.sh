@@ -15,12 +15,13 @@ cat >"$work/scene.json" <<'JSON'
   "lights": [{"type": "directional", "direction": [1, -1, -1], "irradiance_w_m2": 3}],
   "cameras": [
     {"name": "front", "position_m": [0, 0, 4], "target_m": [0, 0, 0], "fov_y_degrees": 30},
-    {"name": "top", "position_m": [0, 4, 0], "target_m": [0, 0, 0], "fov_y_degrees": 30}
+    {"name": "top", "position_m": [0, 4, 0], "target_m": [0, 0, 0], "up": [0, 0, -1], "fov_y_degrees": 30}
   ],
-  "bake": {"directions": 32, "grid_resolution": 16, "samples": 400, "sh_order": 3}
+  "bake": {"directions": 32, "grid_resolution": 16, "radius_m": 0.1, "sh_order": 3}
 }
 JSON
 run 0 "$bin/airlight-bake" "$work/scene.json" -o "$work/baked" --quiet
+[ "$failures" = 0 ] || finish
 
 play() {
     "$bin/airlight-play" "$work/baked" --headless --size 48x32 "$@"
