@@ -197,7 +197,7 @@ static void check_types(const al_file *file, const al_kind_rules *kind, al_repor
     }
     for (const al_chunk_rules *rules = kind->chunks; rules < kind->chunks + kind->chunk_count; rules++) {
         uint32_t count = 0;
-        for (size_t i = 0; i < file->chunk_count; i++) count += !memcmp(file->chunks[i].type, rules->type, 4);
+        for (size_t i = 0; i < file->chunk_count; i++) count += al_chunk_is(file, i, rules->type);
         if (count < rules->minimum || (rules->maximum && count > rules->maximum))
             al_report_finding(report, AL_RULE_CHUNK_COUNT,
                               "%" PRIu32 " chunks %s, an asset of kind %s has %s %" PRIu32, count,
@@ -254,8 +254,7 @@ static al_status map_file(al_file *file, const char *path, uint64_t limit, al_er
 {
     struct stat about;
     al_status status = AL_OK;
-    int descriptor =
-        open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe without a writer must not block */
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe without a writer must not block */
     if (descriptor < 0) return al_fail_errno(error, file->name, "open");
     if (fstat(descriptor, &about) != 0) {
         status = al_fail_errno(error, file->name, "read");
@@ -340,26 +339,32 @@ const char *al_file_name(const al_file *file)
 {
     return file->name;
 }
+
 al_kind al_file_kind(const al_file *file)
 {
     return file->kind;
 }
+
 uint64_t al_file_size(const al_file *file)
 {
     return file->size;
 }
+
 uint16_t al_file_major(const al_file *file)
 {
     return file->major;
 }
+
 uint16_t al_file_minor(const al_file *file)
 {
     return file->minor;
 }
+
 const char *al_file_writer(const al_file *file)
 {
     return file->writer;
 }
+
 size_t al_file_chunk_count(const al_file *file)
 {
     return file->chunk_count;
@@ -371,10 +376,19 @@ const al_chunk *al_file_chunk(const al_file *file, size_t index)
     return &file->chunks[index];
 }
 
+bool al_chunk_is(const al_file *file, size_t index, const char type[5])
+{
+    const al_chunk *c = &file->chunks[index];
+    if (memcmp(c->type, type, 4)) return false;
+    const al_kind_rules *kind = al_kind_find(file->kind);
+    const al_chunk_rules *rules = kind ? al_chunk_find(kind, type) : NULL;
+    return !rules || c->version <= rules->version;
+}
+
 ptrdiff_t al_file_find(const al_file *file, const char type[5], size_t n)
 {
     for (size_t i = 0; i < file->chunk_count; i++)
-        if (!memcmp(file->chunks[i].type, type, 4) && n-- == 0) return (ptrdiff_t)i;
+        if (al_chunk_is(file, i, type) && n-- == 0) return (ptrdiff_t)i;
     return -1;
 }
 

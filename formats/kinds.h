@@ -24,6 +24,9 @@ extern const al_kind_rules al_scene_rules, al_translucent_rules;
 const al_kind_rules *al_kind_find(al_kind kind); /* NULL when there is no such kind */
 const al_chunk_rules *al_chunk_find(const al_kind_rules *kind, const char type[5]);
 
+/* The chunk has the type, in a version that this reader knows: an optional one of a newer version is skipped. */
+bool al_chunk_is(const al_file *file, size_t index, const char type[5]);
+
 /* PROV of any kind: a JSON object, optional. */
 void al_check_provenance(const al_file *file, al_report *report);
 

@@ -270,7 +270,7 @@ static bool read_head(reader *r)
 static ptrdiff_t next_chunk(const al_file *file, const char *type, ptrdiff_t from)
 {
     for (size_t i = (size_t)(from + 1); i < al_file_chunk_count(file); i++)
-        if (!memcmp(al_file_chunk(file, i)->type, type, 4)) return (ptrdiff_t)i;
+        if (al_chunk_is(file, i, type)) return (ptrdiff_t)i;
     return -1;
 }
 

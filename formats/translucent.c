@@ -113,7 +113,7 @@ static void check_page_count(const al_file *file, const al_translucent_info *inf
 {
     uint32_t expected = al_translucent_page_count(info), found = 0;
     for (size_t i = 0; i < al_file_chunk_count(file); i++)
-        found += !memcmp(al_file_chunk(file, i)->type, "PAGE", 4);
+        found += al_chunk_is(file, i, "PAGE");
     if (found != expected)
         al_report_finding(report, AL_RULE_TRANSLUCENT_PAGES,
                           "%" PRIu32 " samples in pages of %" PRIu32 " fill %" PRIu32
@@ -329,7 +329,7 @@ static void check_pages(const al_file *file, const al_translucent_info *info, al
     uint32_t index = 0;
     al_translucent_page page;
     for (size_t i = 0; i < al_file_chunk_count(file); i++)
-        if (!memcmp(al_file_chunk(file, i)->type, "PAGE", 4))
+        if (al_chunk_is(file, i, "PAGE"))
             read_page(file, info, index++, i, &page, report);
 }
 

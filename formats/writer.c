@@ -1,6 +1,4 @@
 /* Writes containers: chunks as they come, then the table, then the header, whose place is zero until then. */
-#include <assert.h>
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

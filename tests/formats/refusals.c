@@ -22,7 +22,8 @@ const refusal refusals[] = {
     {0, "accept_newer_minor", BYTE, SEAL_ALL,
      {HEADER(10, 2, 7), HEADER(104, 4, 1), ENTRY("PROV", 0, 0, 4, TEXT('N', 'E', 'W', '1')),
       ENTRY("INFO", 0, 8, 4, 0x80000000)}},
-    {0, "accept_newer_optional_chunk_version", BYTE, SEAL_ALL, {ENTRY("PROV", 0, 4, 2, 2)}},
+    {0, "accept_newer_optional_chunk_version", BYTE, SEAL_ALL,
+     {ENTRY("PROV", 0, 4, 2, 2), CHUNK("PROV", 0, 0, 1, '[')}},
 
     {101, "cut_below_header", FLOAT, SEAL_NOTHING, {SIZE(127)}},
     {101, "empty_file", FLOAT, SEAL_NOTHING, {SIZE(0)}},

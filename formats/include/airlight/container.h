@@ -81,7 +81,7 @@ uint16_t al_file_minor(const al_file *file);
 const char *al_file_writer(const al_file *file); /* name and version of the program that wrote it */
 size_t al_file_chunk_count(const al_file *file);
 const al_chunk *al_file_chunk(const al_file *file, size_t index);
-/* Index of the nth chunk of `type` (n from 0), or -1. */
+/* Index of the nth chunk of `type` (n from 0) in a version that is known, or -1. */
 ptrdiff_t al_file_find(const al_file *file, const char type[5], size_t n);
 /* Verifies the chunk's checksum and answers its bytes. */
 al_status al_file_data(const al_file *file, size_t index, const void **data, size_t *size, al_error *error);
