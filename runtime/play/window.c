@@ -156,15 +156,15 @@ static void on_key(GLFWwindow *window, int key, int code, int action, int mods)
     }
 }
 
-static void drag(player *p)
+/* An event, not a look once per frame: a quick drag counts however long frames take. */
+static void on_cursor(GLFWwindow *window, double x, double y)
 {
     const float radians_per_pixel = 0.006f;
-    double x, y;
-    glfwGetCursorPos(p->window, &x, &y);
+    player *p = glfwGetWindowUserPointer(window);
     float yaw = -radians_per_pixel * (float)(x - p->mouse[0]), pitch = -radians_per_pixel * (float)(y - p->mouse[1]);
     p->mouse[0] = x;
     p->mouse[1] = y;
-    if (al_panel_wants_mouse() || (yaw == 0 && pitch == 0)) return;
+    if (al_panel_wants_mouse()) return;
     if (glfwGetMouseButton(p->window, GLFW_MOUSE_BUTTON_LEFT)) al_eye_orbit(&p->eye, yaw, -pitch);
     else if (glfwGetMouseButton(p->window, GLFW_MOUSE_BUTTON_RIGHT)) al_eye_look(&p->eye, 0.5f * yaw, 0.5f * pitch);
     else return;
@@ -230,7 +230,6 @@ static al_status frame(player *p, al_error *error)
     p->frame_ms += 0.1 * (1e3 * seconds - p->frame_ms);
     glfwGetFramebufferSize(p->window, &width, &height);
     if (width < 1 || height < 1) return glfwWaitEventsTimeout(0.1), AL_OK;
-    drag(p);
     fly(p, fmin(seconds, 0.1));
     reload_when_changed(p);
     al_status status = fit_target(p, width, height, error);
@@ -265,6 +264,7 @@ static al_status open_window(player *p, al_error *error)
     glfwMakeContextCurrent(p->window);
     glfwSwapInterval(1);
     glfwSetDropCallback(p->window, on_drop);
+    glfwSetCursorPosCallback(p->window, on_cursor);
     glfwSetScrollCallback(p->window, on_scroll);
     glfwSetKeyCallback(p->window, on_key);
     if (p->program->verbose) al_debug_output_begin();
