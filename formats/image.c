@@ -68,8 +68,8 @@ cleanup:
     return status;
 }
 
-static int64_t stream_read(exr_const_context_t context, void *user, void *buffer, uint64_t size, uint64_t offset,
-                           exr_stream_error_func_ptr_t on_error)
+static int64_t stream_read(exr_const_context_t context, void *user, void *buffer, uint64_t size,
+                           uint64_t offset, exr_stream_error_func_ptr_t on_error)
 {
     (void)context, (void)on_error;
     memory_stream *stream = user;
@@ -114,7 +114,8 @@ static void on_exr_error(exr_const_context_t context, exr_result_t code, const c
     stream->failed = true;
     al_status status = code == EXR_ERR_OUT_OF_MEMORY ? AL_IO : AL_BAD_INPUT;
     size_t length = strcspn(message, "\n");
-    al_fail(stream->error, status, "%s: not a readable OpenEXR file: %.*s", stream->path, (int)length, message);
+    al_fail(stream->error, status, "%s: not a readable OpenEXR file: %.*s", stream->path, (int)length,
+            message);
 }
 
 /* The status of a failed OpenEXR call, with its message if no callback gave a better one. */
@@ -152,29 +153,36 @@ static al_status check_header(exr_context_t context, memory_stream *stream, al_i
     exr_attr_box2i_t window;
     const exr_attr_chlist_t *list;
     exr_result_t code;
-    if ((code = exr_get_storage(context, 0, &storage)) || (code = exr_get_compression(context, 0, &compression)) ||
+    if ((code = exr_get_storage(context, 0, &storage)) ||
+        (code = exr_get_compression(context, 0, &compression)) ||
         (code = exr_get_data_window(context, 0, &window)) || (code = exr_get_channels(context, 0, &list)))
         return exr_failure(stream, code);
     if (storage != EXR_STORAGE_SCANLINE && storage != EXR_STORAGE_TILED)
-        return al_fail(stream->error, AL_BAD_INPUT, "%s: deep OpenEXR data is not read; flatten it", stream->path);
-    if (compression == EXR_COMPRESSION_DWAA || compression == EXR_COMPRESSION_DWAB)
-        return al_fail(stream->error, AL_BAD_INPUT,
-                       "%s: DWA-compressed OpenEXR is not read here; save it with ZIP, PIZ, RLE or no compression",
+        return al_fail(stream->error, AL_BAD_INPUT, "%s: deep OpenEXR data is not read; flatten it",
                        stream->path);
+    if (compression == EXR_COMPRESSION_DWAA || compression == EXR_COMPRESSION_DWAB)
+        return al_fail(
+            stream->error, AL_BAD_INPUT,
+            "%s: DWA-compressed OpenEXR is not read here; save it with ZIP, PIZ, RLE or no compression",
+            stream->path);
     image->channels = choose_channels(list);
     if (!image->channels)
-        return al_fail(stream->error, AL_BAD_INPUT, "%s: has neither channels R, G, B nor channel Y", stream->path);
+        return al_fail(stream->error, AL_BAD_INPUT, "%s: has neither channels R, G, B nor channel Y",
+                       stream->path);
     for (int i = 0; i < list->num_channels; i++) {
         const exr_attr_chlist_entry_t *entry = &list->entries[i];
-        if (channel_slot(entry->name.str, image->channels) >= 0 && (entry->x_sampling != 1 || entry->y_sampling != 1))
-            return al_fail(stream->error, AL_BAD_INPUT, "%s: channel %s is subsampled; save it at full resolution",
-                           stream->path, entry->name.str);
+        if (channel_slot(entry->name.str, image->channels) >= 0 &&
+            (entry->x_sampling != 1 || entry->y_sampling != 1))
+            return al_fail(stream->error, AL_BAD_INPUT,
+                           "%s: channel %s is subsampled; save it at full resolution", stream->path,
+                           entry->name.str);
     }
-    int64_t width = (int64_t)window.max.x - window.min.x + 1, height = (int64_t)window.max.y - window.min.y + 1;
+    int64_t width = (int64_t)window.max.x - window.min.x + 1,
+            height = (int64_t)window.max.y - window.min.y + 1;
     if (width < 1 || height < 1 || width > EDGE_LIMIT || height > EDGE_LIMIT ||
         (uint64_t)(width * height) > PIXEL_LIMIT)
-        return al_fail(stream->error, AL_BAD_INPUT, "%s: %lld x %lld pixels; at most 2^28 are read", stream->path,
-                       (long long)width, (long long)height);
+        return al_fail(stream->error, AL_BAD_INPUT, "%s: %lld x %lld pixels; at most 2^28 are read",
+                       stream->path, (long long)width, (long long)height);
     image->width = (uint32_t)width;
     image->height = (uint32_t)height;
     return AL_OK;
@@ -222,8 +230,8 @@ static exr_result_t decode_tiles(exr_context_t context, exr_decode_pipeline_t *p
     for (uint32_t y = 0; !code && y < image->height; y += (uint32_t)height)
         for (uint32_t x = 0; !code && x < image->width; x += (uint32_t)width) {
             exr_chunk_info_t chunk;
-            code = exr_read_tile_chunk_info(context, 0, (int)(x / (uint32_t)width), (int)(y / (uint32_t)height), 0, 0,
-                                            &chunk);
+            code = exr_read_tile_chunk_info(context, 0, (int)(x / (uint32_t)width),
+                                            (int)(y / (uint32_t)height), 0, 0, &chunk);
             if (!code) code = decode_chunk(context, &chunk, x == 0 && y == 0, pipeline, x, y, image);
         }
     return code;
@@ -254,7 +262,8 @@ al_status al_image_read_exr(const char *path, al_image *image, al_error *error)
     if (status) goto cleanup;
     image->pixels = calloc((size_t)image->width * image->height * image->channels, sizeof(float));
     if (!image->pixels) {
-        status = al_fail(error, AL_IO, "%s: out of memory for %u x %u pixels", path, image->width, image->height);
+        status =
+            al_fail(error, AL_IO, "%s: out of memory for %u x %u pixels", path, image->width, image->height);
         goto cleanup;
     }
     exr_storage_t storage;
@@ -279,8 +288,8 @@ static exr_result_t encode_header(exr_context_t context, const al_image *image)
     int part;
     exr_result_t code = exr_add_part(context, "image", EXR_STORAGE_SCANLINE, &part);
     if (!code)
-        code = exr_initialize_required_attr_simple(context, part, (int32_t)image->width, (int32_t)image->height,
-                                                   EXR_COMPRESSION_ZIP);
+        code = exr_initialize_required_attr_simple(context, part, (int32_t)image->width,
+                                                   (int32_t)image->height, EXR_COMPRESSION_ZIP);
     /* Channels stand in alphabetical order in the file. */
     const char *names = image->channels == 1 ? "Y" : "BGR";
     for (uint32_t i = 0; !code && i < image->channels; i++) {
@@ -290,7 +299,8 @@ static exr_result_t encode_header(exr_context_t context, const al_image *image)
     return code ? code : exr_write_header(context);
 }
 
-static exr_result_t encode_pixels(exr_context_t context, const al_image *image, exr_encode_pipeline_t *pipeline)
+static exr_result_t encode_pixels(exr_context_t context, const al_image *image,
+                                  exr_encode_pipeline_t *pipeline)
 {
     int32_t lines;
     exr_result_t code = exr_get_scanlines_per_chunk(context, 0, &lines);
@@ -319,7 +329,8 @@ static exr_result_t encode_pixels(exr_context_t context, const al_image *image, 
 
 static bool is_writable_size(uint32_t width, uint32_t height)
 {
-    return width && height && width <= EDGE_LIMIT && height <= EDGE_LIMIT && (uint64_t)width * height <= PIXEL_LIMIT;
+    return width && height && width <= EDGE_LIMIT && height <= EDGE_LIMIT &&
+           (uint64_t)width * height <= PIXEL_LIMIT;
 }
 
 al_status al_image_write_exr(const char *path, const al_image *image, al_error *error)
@@ -344,7 +355,8 @@ al_status al_image_write_exr(const char *path, const al_image *image, al_error *
     }
     al_status status;
     if (code)
-        status = al_fail(error, AL_IO, "%s: cannot encode OpenEXR: %s", path, exr_get_default_error_message(code));
+        status =
+            al_fail(error, AL_IO, "%s: cannot encode OpenEXR: %s", path, exr_get_default_error_message(code));
     else
         status = al_write_file(path, stream.bytes, stream.size, error);
     free(stream.bytes);

@@ -24,7 +24,8 @@ static const double rgb_to_xyz[3][3] = {
     {2613072.0 / 12288897, 8788810.0 / 12288897, 887015.0 / 12288897},
     {1425312.0 / 73733382, 8788810.0 / 73733382, 70074185.0 / 73733382},
 };
-static const double xyz_to_rgb[3][3] = { /* its inverse */
+static const double xyz_to_rgb[3][3] = {
+    /* its inverse */
     {3.241003232976358, -1.537398969488785, -0.498615881996363},
     {-0.969224252202516, 1.875929983695176, 0.041554226340085},
     {0.055639419851975, -0.204011206123910, 1.057148977187533},
@@ -99,8 +100,8 @@ typedef struct filter_bank {
     double error_max; /* colour error of the two most different colours, after the power */
 } filter_bank;
 
-/* One Gaussian a sqrt(pi/b) exp(-pi^2 x^2 / b) of a contrast sensitivity function, x in degrees. Normalised to
- * sum 1; answers the sum its square, the two-dimensional filter, had with the factor. */
+/* One Gaussian a sqrt(pi/b) exp(-pi^2 x^2 / b) of a contrast sensitivity function, x in degrees. Normalised
+ * to sum 1; answers the sum its square, the two-dimensional filter, had with the factor. */
 static double make_sensitivity(double a, double b, int radius, kernel *out)
 {
     double weights[2 * RADIUS_LIMIT + 1], sum = 0;
@@ -129,8 +130,10 @@ static void make_features(filter_bank *bank)
         weights[2][i + radius] = point;
         blur_sum += gaussian;
         if (i < 0) edge_sum += -i * gaussian;
-        if (point > 0) positive_sum += point;
-        else negative_sum -= point;
+        if (point > 0)
+            positive_sum += point;
+        else
+            negative_sum -= point;
     }
     for (int k = FEATURE_BLUR; k <= FEATURE_POINT; k++) bank->kernels[k].radius = radius;
     for (int i = 0; i <= 2 * radius; i++) {
@@ -190,11 +193,11 @@ static void filter_column(const kernel *k, const float *row, int width, float *o
 enum { FILTERED_L, FILTERED_CX, FILTERED_CZ, EDGE, POINT, RESULT_COUNT };
 
 typedef struct band {
-    int width, rows;                       /* rows: BAND_ROWS or fewer */
-    float *source[3];                      /* [rows + 2 RADIUS_LIMIT][width] opponent colours */
-    float *across[KERNEL_COUNT];           /* the same size, filtered along rows */
-    float *result[2][RESULT_COUNT];        /* [rows][width] of test and reference */
-    float *line;                           /* [width] */
+    int width, rows;                /* rows: BAND_ROWS or fewer */
+    float *source[3];               /* [rows + 2 RADIUS_LIMIT][width] opponent colours */
+    float *across[KERNEL_COUNT];    /* the same size, filtered along rows */
+    float *result[2][RESULT_COUNT]; /* [rows][width] of test and reference */
+    float *line;                    /* [width] */
     float *memory;
 } band;
 
@@ -202,17 +205,20 @@ static bool band_allocate(int width, band *out)
 {
     size_t tall = (size_t)width * (BAND_ROWS + 2 * RADIUS_LIMIT), low = (size_t)width * BAND_ROWS;
     *out = (band){.width = width};
-    out->memory = malloc(sizeof(float) * (tall * (3 + KERNEL_COUNT) + low * 2 * RESULT_COUNT + (size_t)width));
+    out->memory =
+        malloc(sizeof(float) * (tall * (3 + KERNEL_COUNT) + low * 2 * RESULT_COUNT + (size_t)width));
     if (!out->memory) return false;
     float *next = out->memory;
     for (int i = 0; i < 3; i++, next += tall) out->source[i] = next;
     for (int i = 0; i < KERNEL_COUNT; i++, next += tall) out->across[i] = next;
-    for (int i = 0; i < 2 * RESULT_COUNT; i++, next += low) out->result[i / RESULT_COUNT][i % RESULT_COUNT] = next;
+    for (int i = 0; i < 2 * RESULT_COUNT; i++, next += low)
+        out->result[i / RESULT_COUNT][i % RESULT_COUNT] = next;
     out->line = next;
     return true;
 }
 
-/* How a linear value becomes what is shown: identity or tone-mapped at an exposure; then clamped to [0, 1]. */
+/* How a linear value becomes what is shown: identity or tone-mapped at an exposure; then clamped to [0, 1].
+ */
 typedef struct display {
     bool tone_mapped;
     double exposure_factor;
@@ -265,11 +271,14 @@ static void filter_band(const filter_bank *bank, band *b, float *result[RESULT_C
                        b->across[k] + (size_t)r * width);
     for (int r = 0; r < b->rows; r++) {
         size_t from = (size_t)(r + RADIUS_LIMIT) * width, to = (size_t)r * width;
-        filter_column(&bank->kernels[ACHROMATIC], b->across[ACHROMATIC] + from, b->width, result[FILTERED_L] + to);
-        filter_column(&bank->kernels[RED_GREEN], b->across[RED_GREEN] + from, b->width, result[FILTERED_CX] + to);
+        filter_column(&bank->kernels[ACHROMATIC], b->across[ACHROMATIC] + from, b->width,
+                      result[FILTERED_L] + to);
+        filter_column(&bank->kernels[RED_GREEN], b->across[RED_GREEN] + from, b->width,
+                      result[FILTERED_CX] + to);
         filter_column(&bank->kernels[BLUE_YELLOW_WIDE], b->across[BLUE_YELLOW_WIDE] + from, b->width,
                       result[FILTERED_CZ] + to);
-        filter_column(&bank->kernels[BLUE_YELLOW_NARROW], b->across[BLUE_YELLOW_NARROW] + from, b->width, b->line);
+        filter_column(&bank->kernels[BLUE_YELLOW_NARROW], b->across[BLUE_YELLOW_NARROW] + from, b->width,
+                      b->line);
         for (size_t x = 0; x < width; x++) {
             float *cz = &result[FILTERED_CZ][to + x];
             *cz = bank->wide_share * *cz + (1 - bank->wide_share) * b->line[x];
@@ -307,8 +316,8 @@ static double feature_error(float *const test[RESULT_COUNT], float *const refere
 }
 
 /* Raises `map` to the LDR difference of the two pictures as the display shows them. */
-static void raise_map(const filter_bank *bank, const al_image *test, const al_image *reference, const display *d,
-                      band *b, float *map)
+static void raise_map(const filter_bank *bank, const al_image *test, const al_image *reference,
+                      const display *d, band *b, float *map)
 {
     const al_image *images[2] = {test, reference};
     int height = (int)test->height;
@@ -351,7 +360,8 @@ static al_status evaluate(const al_image *test, const al_image *reference, const
     return AL_OK;
 }
 
-al_status al_flip_ldr(const al_image *test, const al_image *reference, float *map, double *mean, al_error *error)
+al_status al_flip_ldr(const al_image *test, const al_image *reference, float *map, double *mean,
+                      al_error *error)
 {
     const display plain = {false, 1};
     return evaluate(test, reference, &plain, 1, map, mean, error);
@@ -363,7 +373,8 @@ static int compare_floats(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Largest and median luminance of the reference; 0 and less count as the smallest number that is told from 0. */
+/* Largest and median luminance of the reference; 0 and less count as the smallest number that is told from 0.
+ */
 static al_status luminance_range(const al_image *reference, double *largest, double *median, al_error *error)
 {
     size_t count = (size_t)reference->width * reference->height;
@@ -391,7 +402,8 @@ static double brightest_input(void)
     return (-b + sqrt(b * b - 4 * a * c)) / (2 * a);
 }
 
-al_status al_flip_hdr(const al_image *test, const al_image *reference, float *map, double *mean, al_error *error)
+al_status al_flip_hdr(const al_image *test, const al_image *reference, float *map, double *mean,
+                      al_error *error)
 {
     enum { EXPOSURE_LIMIT = 512 }; /* float32 spans less than 300 stops */
     display displays[EXPOSURE_LIMIT];

@@ -13,10 +13,12 @@
  * values, first row on top; `mean` is its mean. */
 
 /* Values are clamped to [0, 1]: what a display shows of them. */
-al_status al_flip_ldr(const al_image *test, const al_image *reference, float *map, double *mean, al_error *error);
+al_status al_flip_ldr(const al_image *test, const al_image *reference, float *map, double *mean,
+                      al_error *error);
 
-/* The largest LDR difference over tone-mapped exposures from the one that shows the reference's brightest pixel
- * to the one that shows its median. Negative values count as 0. */
-al_status al_flip_hdr(const al_image *test, const al_image *reference, float *map, double *mean, al_error *error);
+/* The largest LDR difference over tone-mapped exposures from the one that shows the reference's brightest
+ * pixel to the one that shows its median. Negative values count as 0. */
+al_status al_flip_hdr(const al_image *test, const al_image *reference, float *map, double *mean,
+                      al_error *error);
 
 #endif

@@ -35,14 +35,15 @@ static al_status parse_limit(const arguments *given, const char *text, limit *ou
             size_t used = strlen(names);
             snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", al_metric_name((al_metric)i));
         }
-        return al_fail(error, AL_USAGE, "--fail-above knows no metric '%.*s'; it is one of %s", (int)length, text,
-                       names);
+        return al_fail(error, AL_USAGE, "--fail-above knows no metric '%.*s'; it is one of %s", (int)length,
+                       text, names);
     }
     char *end;
     out->metric = (al_metric)metric;
     out->value = strtod(equals + 1, &end);
     if (end == equals + 1 || *end || !isfinite(out->value))
-        return al_fail(error, AL_USAGE, "--fail-above %.*s takes a number, not '%s'", (int)length, text, equals + 1);
+        return al_fail(error, AL_USAGE, "--fail-above %.*s takes a number, not '%s'", (int)length, text,
+                       equals + 1);
     if (metric >= AL_METRIC_CHI2_MEAN && !given->error_a)
         return al_fail(error, AL_USAGE, "--fail-above %.*s needs --error and --noise-a", (int)length, text);
     if (metric >= AL_METRIC_RELATIVE_RMSE_WITHOUT_NOISE && !given->error_b)
@@ -57,8 +58,8 @@ static al_status read_like(const char *path, const al_image *like, const char *l
     al_status status = al_image_read_exr(path, image, error);
     if (status) return status;
     if (!like || (image->width == like->width && image->height == like->height)) return AL_OK;
-    status = al_fail(error, AL_BAD_INPUT, "%s: %u x %u pixels, but %s has %u x %u; the sizes must be equal", path,
-                     image->width, image->height, like_path, like->width, like->height);
+    status = al_fail(error, AL_BAD_INPUT, "%s: %u x %u pixels, but %s has %u x %u; the sizes must be equal",
+                     path, image->width, image->height, like_path, like->width, like->height);
     al_image_free(image);
     return status;
 }
@@ -66,17 +67,20 @@ static al_status read_like(const char *path, const al_image *like, const char *l
 /* From black over blue, red and yellow to white, each step brighter than the one before. */
 static void heat_color(float value, uint8_t rgb[3])
 {
-    static const float stops[5][3] = {{0, 0, 0.02f}, {0.05f, 0.02f, 0.4f}, {0.75f, 0.03f, 0.1f}, {1, 0.6f, 0.02f}, {1, 1, 0.9f}};
+    static const float stops[5][3] = {
+        {0, 0, 0.02f}, {0.05f, 0.02f, 0.4f}, {0.75f, 0.03f, 0.1f}, {1, 0.6f, 0.02f}, {1, 1, 0.9f}};
     float place = fminf(fmaxf(value, 0), 1) * 4;
     int i = place >= 4 ? 3 : (int)place;
-    for (int c = 0; c < 3; c++) rgb[c] = al_srgb_byte(stops[i][c] + (place - (float)i) * (stops[i + 1][c] - stops[i][c]));
+    for (int c = 0; c < 3; c++)
+        rgb[c] = al_srgb_byte(stops[i][c] + (place - (float)i) * (stops[i + 1][c] - stops[i][c]));
 }
 
 static al_status write_heat_map(const char *path, const al_image *like, const float *map, al_error *error)
 {
     size_t count = (size_t)like->width * like->height;
     uint8_t *pixels = malloc(3 * count);
-    if (!pixels) return al_fail(error, AL_IO, "%s: out of memory for %u x %u pixels", path, like->width, like->height);
+    if (!pixels)
+        return al_fail(error, AL_IO, "%s: out of memory for %u x %u pixels", path, like->width, like->height);
     for (size_t i = 0; i < count; i++) heat_color(map[i], pixels + 3 * i);
     al_status status = al_image_write_png(path, like->width, like->height, 3, pixels, error);
     free(pixels);
@@ -85,9 +89,12 @@ static al_status write_heat_map(const char *path, const al_image *like, const fl
 
 static void print_value(double value, bool json)
 {
-    if (isfinite(value)) printf("%.9g", value);
-    else if (json) printf("null");
-    else printf("%s", isnan(value) ? "undefined" : value > 0 ? "infinite" : "-infinite");
+    if (isfinite(value))
+        printf("%.9g", value);
+    else if (json)
+        printf("null");
+    else
+        printf("%s", isnan(value) ? "undefined" : value > 0 ? "infinite" : "-infinite");
 }
 
 static void print_metrics(const al_metrics *metrics, bool json)
@@ -95,8 +102,10 @@ static void print_metrics(const al_metrics *metrics, bool json)
     if (json) printf("{");
     for (uint32_t i = 0; i < metrics->count; i++) {
         const char *name = al_metric_name((al_metric)i);
-        if (json) printf("%s\n  \"%s\": ", i ? "," : "", name);
-        else printf("%s ", name);
+        if (json)
+            printf("%s\n  \"%s\": ", i ? "," : "", name);
+        else
+            printf("%s ", name);
         print_value(metrics->values[i], json);
         if (!json) printf("\n");
     }
@@ -110,8 +119,8 @@ static al_status check_limits(const arguments *given, const al_metrics *metrics,
         const limit *l = &given->limits[i];
         double value = metrics->values[l->metric];
         if (!(value <= l->value))
-            return al_fail(error, AL_CHECK_FAILED, "%s: %s is %.6g against %s, above the allowed %g", given->a,
-                           al_metric_name(l->metric), value, given->b, l->value);
+            return al_fail(error, AL_CHECK_FAILED, "%s: %s is %.6g against %s, above the allowed %g",
+                           given->a, al_metric_name(l->metric), value, given->b, l->value);
     }
     return AL_OK;
 }
@@ -126,7 +135,8 @@ static al_status compare(const arguments *given, al_error *error)
     if (!status && given->error_a) status = read_like(given->error_a, &b, given->b, &error_a, error);
     if (status) goto cleanup;
     if (given->diff && !(map = malloc(sizeof(float) * b.width * b.height))) {
-        status = al_fail(error, AL_IO, "%s: out of memory for %u x %u pixels", given->diff, b.width, b.height);
+        status =
+            al_fail(error, AL_IO, "%s: out of memory for %u x %u pixels", given->diff, b.width, b.height);
         goto cleanup;
     }
     al_comparison comparison = {&a, &b, given->error_a ? &error_a : NULL, given->error_b ? &error_b : NULL};
@@ -135,7 +145,8 @@ static al_status compare(const arguments *given, al_error *error)
     if (!status && given->diff) status = write_heat_map(given->diff, &b, map, error);
     if (status) goto cleanup;
     print_metrics(&metrics, given->json);
-    status = fflush(stdout) ? al_fail_errno(error, "standard output", "write") : check_limits(given, &metrics, error);
+    status = fflush(stdout) ? al_fail_errno(error, "standard output", "write")
+                            : check_limits(given, &metrics, error);
 
 cleanup:
     free(map);
@@ -164,15 +175,17 @@ int main(int argc, char **argv)
     al_program program = {
         .name = "airlight-compare",
         .usage = "A.exr B.exr [options]",
-        .summary = "Measures how far picture A is from B, the one held to be right: rmse, relative_rmse =\n"
-                   "sqrt(sum (A-B)^2 / sum B^2), psnr_db (peak: B's largest value), FLIP of the sRGB picture clamped\n"
-                   "to [0, 1] (flip_ldr) and over exposures (flip_hdr) at 67.02 pixels per degree, mean_ratio =\n"
-                   "sum A / sum B, max_abs, nan_count and inf_count of both.\n"
-                   "A single channel stands for all. NaN and infinite values: in A they count as 0, where B or an\n"
-                   "error has one the value is left out.\n"
-                   "chi2_mean is the mean of (A-B)^2 / (EA^2 + EB^2), about 1 when A and B differ by noise alone;\n"
-                   "block_worst_sigma the largest difference of 16x16 block means in standard errors, among the\n"
-                   "blocks that differ by more than 0.5 %.",
+        .summary =
+            "Measures how far picture A is from B, the one held to be right: rmse, relative_rmse =\n"
+            "sqrt(sum (A-B)^2 / sum B^2), psnr_db (peak: B's largest value), FLIP of the sRGB picture "
+            "clamped\n"
+            "to [0, 1] (flip_ldr) and over exposures (flip_hdr) at 67.02 pixels per degree, mean_ratio =\n"
+            "sum A / sum B, max_abs, nan_count and inf_count of both.\n"
+            "A single channel stands for all. NaN and infinite values: in A they count as 0, where B or an\n"
+            "error has one the value is left out.\n"
+            "chi2_mean is the mean of (A-B)^2 / (EA^2 + EB^2), about 1 when A and B differ by noise alone;\n"
+            "block_worst_sigma the largest difference of 16x16 block means in standard errors, among the\n"
+            "blocks that differ by more than 0.5 %.",
         .options = options,
         .option_count = sizeof options / sizeof *options,
     };

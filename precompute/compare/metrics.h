@@ -20,8 +20,8 @@ typedef enum al_metric {
     AL_METRIC_INF_COUNT,
     /* With B's standard error E: sqrt(max(0, sum (A-B)^2 - sum E^2) / sum B^2) */
     AL_METRIC_RELATIVE_RMSE_WITHOUT_NOISE,
-    /* With A's standard error too: mean of (A-B)^2 / (EA^2 + EB^2) over the values where either error is not 0
-     * or A is not B; */
+    /* With A's standard error too: mean of (A-B)^2 / (EA^2 + EB^2) over the values where either error is not
+     * 0 or A is not B; */
     AL_METRIC_CHI2_MEAN,
     /* and over blocks of 16x16 pixels: the largest difference of the block's means in its standard errors, of
      * the blocks whose means differ by more than 0.5 %; 0 when there is none. */

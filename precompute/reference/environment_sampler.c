@@ -1,5 +1,6 @@
-/* Pixels are constant over their solid angles, (cos top - cos bottom) 2 pi / width. Convention (docs/scene.md):
- * polar angle pi v from +y, direction (sin theta sin phi, cos theta, -sin theta cos phi), phi = 2 pi (u - 1/2). */
+/* Pixels are constant over their solid angles, (cos top - cos bottom) 2 pi / width. Convention
+ * (docs/scene.md): polar angle pi v from +y, direction (sin theta sin phi, cos theta, -sin theta cos phi),
+ * phi = 2 pi (u - 1/2). */
 #include "environment_sampler.h"
 
 #include <math.h>
@@ -25,7 +26,8 @@ static double weight(const al_environment *map, uint32_t row, uint32_t column)
     return ((double)p[0] + p[1] + p[2]) * pixel_angle(map, row);
 }
 
-al_status al_environment_sampler_create(const al_environment *map, al_environment_sampler *sampler, al_error *error)
+al_status al_environment_sampler_create(const al_environment *map, al_environment_sampler *sampler,
+                                        al_error *error)
 {
     *sampler = (al_environment_sampler){0};
     if (!map->width || !map->height) return AL_OK;
@@ -33,7 +35,8 @@ al_status al_environment_sampler_create(const al_environment *map, al_environmen
     sampler->columns = malloc(sizeof(double) * map->height * (map->width + (size_t)1));
     if (!sampler->rows || !sampler->columns) {
         al_environment_sampler_free(sampler);
-        return al_fail(error, AL_IO, "out of memory for an environment of %u x %u pixels", map->width, map->height);
+        return al_fail(error, AL_IO, "out of memory for an environment of %u x %u pixels", map->width,
+                       map->height);
     }
     sampler->rows[0] = 0;
     for (uint32_t row = 0; row < map->height; row++) {
@@ -60,8 +63,10 @@ static uint32_t invert(const double *cumulative, uint32_t count, double u, doubl
     uint32_t low = 0, high = count;
     while (high - low > 1) {
         uint32_t middle = low + (high - low) / 2;
-        if (cumulative[middle] <= target) low = middle;
-        else high = middle;
+        if (cumulative[middle] <= target)
+            low = middle;
+        else
+            high = middle;
     }
     double width = cumulative[low + 1] - cumulative[low];
     *place = width > 0 ? fmin((target - cumulative[low]) / width, 1) : 0.5;
@@ -82,7 +87,8 @@ void al_environment_sample(const al_environment_sampler *sampler, const double u
     direction[2] = -sine * cos(phi);
 }
 
-double al_environment_density(const al_environment_sampler *sampler, const double direction[3], double radiance[3])
+double al_environment_density(const al_environment_sampler *sampler, const double direction[3],
+                              double radiance[3])
 {
     const al_environment *map = sampler->map;
     double theta = acos(fmin(fmax(direction[1], -1), 1));

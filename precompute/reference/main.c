@@ -59,7 +59,8 @@ static al_status name_outputs(arguments *given, al_error *error)
     return status;
 }
 
-static al_status find_camera(const al_import *import, const char *name, const al_camera **camera, al_error *error)
+static al_status find_camera(const al_import *import, const char *name, const al_camera **camera,
+                             al_error *error)
 {
     const al_scene *scene = &import->scene;
     char names[512] = "";
@@ -71,8 +72,8 @@ static al_status find_camera(const al_import *import, const char *name, const al
         size_t used = strlen(names);
         snprintf(names + used, sizeof names - used, "%s\"%s\"", i ? ", " : "", scene->cameras[i].name);
     }
-    return al_fail(error, AL_USAGE, "--camera: %s has no camera \"%s\"; it has %s", import->description->path, name,
-                   names);
+    return al_fail(error, AL_USAGE, "--camera: %s has no camera \"%s\"; it has %s", import->description->path,
+                   name, names);
 }
 
 static bool on_progress(void *user, double done, double total)
@@ -129,19 +130,23 @@ int main(int argc, char **argv)
     const al_option options[] = {
         {"--mode", "MODE", AL_OPTION_STRING, &given.mode, "what to compute: single-scatter", 0, 0},
         {"--spp", "N", AL_OPTION_INT, &given.samples, "samples per pixel (64)", 2, 100000000},
-        {"-o", "REF.exr", AL_OPTION_STRING, &given.out, "the picture; its standard error goes to REF.error.exr", 0, 0},
+        {"-o", "REF.exr", AL_OPTION_STRING, &given.out,
+         "the picture; its standard error goes to REF.error.exr", 0, 0},
         {"--size", "WxH", AL_OPTION_SIZE, given.size, "of the picture in pixels (192x192)", 1, 16384},
         {"--camera", "NAME", AL_OPTION_STRING, &given.camera, "of the scene (its first)", 0, 0},
-        {"--threads", "N", AL_OPTION_INT, &given.threads, "0: one per core (0); changes no bit of the result", 0, 256},
+        {"--threads", "N", AL_OPTION_INT, &given.threads, "0: one per core (0); changes no bit of the result",
+         0, 256},
     };
     al_program program = {
         .name = "airlight-reference",
         .usage = "SCENE.json --mode MODE --spp N -o REF.exr [options]",
-        .summary = "Renders ground truth by ray tracing: linear radiance, the box-filtered mean over each pixel, and\n"
-                   "in REF.error.exr the standard error of each pixel (one channel, mean over the colours).\n"
-                   "Modes:\n"
-                   "  single-scatter  light scattered once inside translucent objects; attenuated on both legs,\n"
-                   "                  stopped by opaque surfaces; neither surfaces nor background are shown",
+        .summary =
+            "Renders ground truth by ray tracing: linear radiance, the box-filtered mean over each pixel, "
+            "and\n"
+            "in REF.error.exr the standard error of each pixel (one channel, mean over the colours).\n"
+            "Modes:\n"
+            "  single-scatter  light scattered once inside translucent objects; attenuated on both legs,\n"
+            "                  stopped by opaque surfaces; neither surfaces nor background are shown",
         .options = options,
         .option_count = sizeof options / sizeof *options,
     };

@@ -50,7 +50,8 @@ static uint32_t step_count(const al_march_medium *medium, double length_m)
 }
 
 /* In periods: the layers' phase at a distance along the ray, and its slope. */
-static double layer_phase(const al_density_description *from, const al_ray *ray, double distance_m, double *slope)
+static double layer_phase(const al_density_description *from, const al_ray *ray, double distance_m,
+                          double *slope)
 {
     double along = 0;
     *slope = 0;
@@ -61,8 +62,8 @@ static double layer_phase(const al_density_description *from, const al_ray *ray,
     return (along - from->offset_m) / from->period_m;
 }
 
-/* The share of high layers between two phases: with f = thickness / period, the integral of the indicator from 0
- * to p is floor(p) f + min(p - floor(p), f). */
+/* The share of high layers between two phases: with f = thickness / period, the integral of the indicator
+ * from 0 to p is floor(p) f + min(p - floor(p), f). */
 static double layers_length(const al_march_medium *medium, const al_ray *ray, double begin_m, double end_m)
 {
     const al_density_description *from = medium->description;
@@ -120,7 +121,8 @@ static bool push_break(al_cells *cells, double distance_m, double begin_m, doubl
 }
 
 /* Where a layer begins or ends: phases k and k + f. */
-static bool break_layers(const al_march_medium *medium, const al_ray *ray, double begin_m, double end_m, al_cells *cells)
+static bool break_layers(const al_march_medium *medium, const al_ray *ray, double begin_m, double end_m,
+                         al_cells *cells)
 {
     const al_density_description *from = medium->description;
     double slope, f = from->thickness_m / from->period_m;
@@ -134,7 +136,8 @@ static bool break_layers(const al_march_medium *medium, const al_ray *ray, doubl
 }
 
 /* Distances within (begin, end) between which the medium's density is taken as constant. */
-static bool break_medium(const al_march_medium *medium, const al_ray *ray, double begin_m, double end_m, al_cells *cells)
+static bool break_medium(const al_march_medium *medium, const al_ray *ray, double begin_m, double end_m,
+                         al_cells *cells)
 {
     double first = begin_m, last = end_m;
     if (!clip(medium, ray, &first, &last)) return true;
@@ -169,8 +172,8 @@ static void sort_breaks(al_cells *cells, uint32_t media_count)
 }
 
 /* One cell, unless it is empty. */
-static bool push_cell(const al_march_medium *media, const al_ray *ray, const al_segment *segments, uint32_t count,
-                      double begin_m, double end_m, al_cells *cells)
+static bool push_cell(const al_march_medium *media, const al_ray *ray, const al_segment *segments,
+                      uint32_t count, double begin_m, double end_m, al_cells *cells)
 {
     if (!(begin_m < end_m)) return true;
     double middle = 0.5 * (begin_m + end_m);
@@ -180,7 +183,8 @@ static bool push_cell(const al_march_medium *media, const al_ray *ray, const al_
         const al_march_medium *medium = &media[segments[i].object];
         double density = density_at(medium, ray, middle);
         if (density == 0) continue;
-        if (!make_room(&cells->parts, cells->part_count, &cells->part_room, sizeof(al_cell_part))) return false;
+        if (!make_room(&cells->parts, cells->part_count, &cells->part_room, sizeof(al_cell_part)))
+            return false;
         cells->parts[cells->part_count++] = (al_cell_part){segments[i].object, density};
         cell.part_count++;
         for (int c = 0; c < 3; c++) cell.sigma_t_per_m[c] += density * medium->sigma_t_per_m[c];
@@ -196,8 +200,8 @@ static bool push_cell(const al_march_medium *media, const al_ray *ray, const al_
 }
 
 /* The cells between two neighbouring ends of segments: the same media all along. */
-static bool cut_interval(const al_march_medium *media, const al_ray *ray, const al_segment *segments, uint32_t count,
-                         double begin_m, double end_m, al_cells *cells)
+static bool cut_interval(const al_march_medium *media, const al_ray *ray, const al_segment *segments,
+                         uint32_t count, double begin_m, double end_m, al_cells *cells)
 {
     uint32_t active = 0;
     double middle = 0.5 * (begin_m + end_m), from = begin_m;
@@ -217,8 +221,8 @@ static bool cut_interval(const al_march_medium *media, const al_ray *ray, const 
     return true;
 }
 
-bool al_march_cells(const al_march_medium *media, const al_ray *ray, const al_segment *segments, uint32_t count,
-                    al_cells *cells)
+bool al_march_cells(const al_march_medium *media, const al_ray *ray, const al_segment *segments,
+                    uint32_t count, al_cells *cells)
 {
     cells->count = cells->part_count = cells->end_count = 0;
     for (int c = 0; c < 3; c++) cells->depth[c] = 0;

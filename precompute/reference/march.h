@@ -1,8 +1,8 @@
 /* Media along rays: optical lengths, and the cells that single scattering is sampled from.
  *
- * Constant media and layers are integrated in closed form. A grid is marched with the midpoint rule in steps of
- * at most a quarter of a voxel: trilinear values are smooth within voxels, so the error falls with the square of
- * the step. World space, metres. */
+ * Constant media and layers are integrated in closed form. A grid is marched with the midpoint rule in steps
+ * of at most a quarter of a voxel: trilinear values are smooth within voxels, so the error falls with the
+ * square of the step. World space, metres. */
 #ifndef AIRLIGHT_MARCH_H
 #define AIRLIGHT_MARCH_H
 
@@ -11,7 +11,7 @@
 typedef struct al_march_medium {
     const al_density *density;
     const al_density_description *description;
-    double step_m; /* of a grid; INFINITY else */
+    double step_m;                                /* of a grid; INFINITY else */
     double sigma_s_per_m[3], sigma_t_per_m[3], g; /* at density 1 */
 } al_march_medium;
 
@@ -49,7 +49,7 @@ typedef struct al_cells {
 void al_cells_free(al_cells *cells);
 
 /* Fills `cells` for the segments of a ray; media[object]. False without memory. */
-bool al_march_cells(const al_march_medium *media, const al_ray *ray, const al_segment *segments, uint32_t count,
-                    al_cells *cells);
+bool al_march_cells(const al_march_medium *media, const al_ray *ray, const al_segment *segments,
+                    uint32_t count, al_cells *cells);
 
 #endif

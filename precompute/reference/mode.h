@@ -14,9 +14,10 @@ typedef struct al_mode {
     /* Memory of one thread; NULL without memory. */
     void *(*scratch_new)(void);
     void (*scratch_free)(void *scratch);
-    /* An unbiased estimate of the radiance that arrives along an eye ray, W/(m2 sr), from uniform random numbers
-     * in [0, 1). False without memory. */
-    bool (*radiance)(const void *state, void *scratch, const al_ray *eye, const double *random, double radiance[3]);
+    /* An unbiased estimate of the radiance that arrives along an eye ray, W/(m2 sr), from uniform random
+     * numbers in [0, 1). False without memory. */
+    bool (*radiance)(const void *state, void *scratch, const al_ray *eye, const double *random,
+                     double radiance[3]);
 } al_mode;
 
 extern const al_mode al_mode_single_scatter;

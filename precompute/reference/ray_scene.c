@@ -54,7 +54,8 @@ static void to_double(const float in[16], double out[16])
     for (int i = 0; i < 16; i++) out[i] = in[i];
 }
 
-/* The welded boundary of a translucent object in the world; a mirroring transform turns its triangles round. */
+/* The welded boundary of a translucent object in the world; a mirroring transform turns its triangles round.
+ */
 static al_status add_boundary(const al_import *import, uint32_t object, surface *out, al_error *error)
 {
     al_triangles triangles = {0};
@@ -79,7 +80,8 @@ cleanup:
     return status;
 }
 
-static al_status add_opaque(const al_import *import, const al_instance *instance, surface *out, al_error *error)
+static al_status add_opaque(const al_import *import, const al_instance *instance, surface *out,
+                            al_error *error)
 {
     const al_mesh *mesh = &import->scene.meshes[instance->mesh];
     double world[16];
@@ -147,7 +149,8 @@ static void attach(al_ray_scene *scene, uint32_t index)
 static al_status build(al_ray_scene *scene, al_error *error)
 {
     scene->device = rtcNewDevice(NULL);
-    if (!scene->device) return al_fail(error, AL_IO, "Embree cannot start: error %d", (int)rtcGetDeviceError(NULL));
+    if (!scene->device)
+        return al_fail(error, AL_IO, "Embree cannot start: error %d", (int)rtcGetDeviceError(NULL));
     scene->boundaries = rtcNewScene(scene->device);
     scene->opaques = rtcNewScene(scene->device);
     rtcSetSceneFlags(scene->boundaries, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
@@ -157,7 +160,8 @@ static al_status build(al_ray_scene *scene, al_error *error)
     rtcCommitScene(scene->opaques);
     enum RTCError code = rtcGetDeviceError(scene->device);
     if (code == RTC_ERROR_OUT_OF_MEMORY) return out_of_memory(error);
-    if (code != RTC_ERROR_NONE) return al_fail(error, AL_IO, "Embree cannot build the scene: error %d", (int)code);
+    if (code != RTC_ERROR_NONE)
+        return al_fail(error, AL_IO, "Embree cannot build the scene: error %d", (int)code);
     return AL_OK;
 }
 
@@ -169,8 +173,10 @@ al_status al_ray_scene_create(const al_import *import, al_ray_scene **scene, al_
     al_status status = add_surfaces(made, import, error);
     measure(made);
     if (!status) status = build(made, error);
-    if (status) al_ray_scene_free(made);
-    else *scene = made;
+    if (status)
+        al_ray_scene_free(made);
+    else
+        *scene = made;
     return status;
 }
 
@@ -207,7 +213,8 @@ static double dot(const double a[3], const double b[3])
 
 /* The ray in Embree's units, begun where it enters the scene's box, or up to `back_m` before its origin: far
  * origins would lose digits. `shift_m` is that distance. False when the ray misses the box. */
-static bool embree_ray(const al_ray_scene *scene, const al_ray *ray, double back_m, double *shift_m, struct RTCRay *out)
+static bool embree_ray(const al_ray_scene *scene, const al_ray *ray, double back_m, double *shift_m,
+                       struct RTCRay *out)
 {
     double enter = -INFINITY, leave = INFINITY, slack = 1e-6 * scene->radius_m;
     for (int k = 0; k < 3; k++) {
@@ -234,8 +241,8 @@ static bool embree_ray(const al_ray_scene *scene, const al_ray *ray, double back
 
 /* Distance to the triangle's plane, n.(v - o) / n.d, and the sign of n.d. Where the ray runs along the plane,
  * and where the plane is met far from where Embree met the triangle, Embree's distance stands. */
-static double plane_distance(const al_ray_scene *scene, const surface *s, uint32_t triangle, const al_ray *ray,
-                             double embree_m, int *sign)
+static double plane_distance(const al_ray_scene *scene, const surface *s, uint32_t triangle,
+                             const al_ray *ray, double embree_m, int *sign)
 {
     const uint32_t *index = s->indices + 3 * (size_t)triangle;
     const double *v[3] = {s->positions + 3 * (size_t)index[0], s->positions + 3 * (size_t)index[1],
@@ -321,13 +328,14 @@ static void drop_twins(const al_ray_scene *scene, al_line *line)
 static bool push_segment(al_line *line, double begin_m, double end_m, uint32_t object)
 {
     if (!(begin_m < end_m)) return true;
-    if (!make_room(&line->segments, line->segment_count, &line->segment_room, sizeof(al_segment))) return false;
+    if (!make_room(&line->segments, line->segment_count, &line->segment_room, sizeof(al_segment)))
+        return false;
     line->segments[line->segment_count++] = (al_segment){begin_m, end_m, object};
     return true;
 }
 
-/* Far away every ray is outside: from there back, leaving crossings count up, entering ones down, and the ray is
- * inside an object where its count is positive. */
+/* Far away every ray is outside: from there back, leaving crossings count up, entering ones down, and the ray
+ * is inside an object where its count is positive. */
 static bool walk_back(const al_ray_scene *scene, double end_m, al_line *line)
 {
     memset(line->depths, 0, sizeof(int32_t) * scene->object_count);
@@ -340,7 +348,8 @@ static bool walk_back(const al_ray_scene *scene, double end_m, al_line *line)
             return false;
     }
     for (uint32_t object = 0; object < scene->object_count; object++)
-        if (line->depths[object] > 0 && !push_segment(line, 0, fmin(line->ends[object], end_m), object)) return false;
+        if (line->depths[object] > 0 && !push_segment(line, 0, fmin(line->ends[object], end_m), object))
+            return false;
     return true;
 }
 
@@ -351,7 +360,8 @@ bool al_ray_scene_segments(const al_ray_scene *scene, const al_ray *ray, double 
     if (!line->depths) line->depths = malloc(sizeof(int32_t) * (scene->object_count + (size_t)1));
     if (!line->ends) line->ends = malloc(sizeof(double) * (scene->object_count + (size_t)1));
     if (!line->depths || !line->ends) return false;
-    struct RTCRayHit query = {.hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
+    struct RTCRayHit query = {
+        .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
     gathering g = {.scene = scene, .ray = ray, .line = line};
     /* Begun a little before the origin, so that rounding loses no crossing just in front of it. */
     if (!embree_ray(scene, ray, 1e-4 * scene->radius_m, &g.shift_m, &query.ray)) return true;
@@ -366,7 +376,8 @@ bool al_ray_scene_segments(const al_ray_scene *scene, const al_ray *ray, double 
 
 double al_ray_scene_opaque_m(const al_ray_scene *scene, const al_ray *ray)
 {
-    struct RTCRayHit query = {.hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
+    struct RTCRayHit query = {
+        .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
     struct RTCIntersectContext context;
     double shift_m;
     int sign;

@@ -7,9 +7,10 @@
 #include "parallel.h"
 #include "sampling.h"
 
-/* Within a batch samples are stratified, across batches they are independent: the spread of the batches' means
- * tells the error. More batches tell it better, fewer stratify better: 8 samples to a batch, within these. */
-enum { BATCH_MINIMUM = 8, BATCH_LIMIT = 16, BATCH_SAMPLES = 8 };
+/* Within a batch samples are stratified, across batches they are independent: the spread of the batches'
+ * means tells the error. More batches tell it better, fewer stratify better: 8 samples to a batch, within
+ * these. */
+enum { BATCH_MINIMUM = 8, BATCH_LIMIT = 16, BATCH_SAMPLES = 8, RUN_PIXELS = 16 };
 
 typedef struct worker {
     void *scratch;
@@ -23,10 +24,16 @@ typedef struct render {
     al_image *image, *standard_error;
     worker *workers;
     uint32_t batches, dimensions;
-    double position[3], forward[3], right[3], up[3]; /* right and up reach the picture's border at distance 1 */
-    atomic_uint rows_done;
-    atomic_bool out_of_memory;
+    double position[3], forward[3], right[3],
+        up[3]; /* right and up reach the picture's border at distance 1 */
+    atomic_uint pixels_done;
+    atomic_bool out_of_memory, stopped;
 } render;
+
+static uint32_t runs_per_row(const al_render_options *options)
+{
+    return (options->width + RUN_PIXELS - 1) / RUN_PIXELS;
+}
 
 static double length_of(const double v[3])
 {
@@ -53,7 +60,8 @@ static al_status aim(render *r, al_error *error)
     cross(r->forward, up, r->right);
     double across = length_of(r->right);
     if (!(across > 1e-9 * distance * length_of(up)))
-        return al_fail(error, AL_BAD_INPUT, "camera \"%s\": its up direction must not point at its target", camera->name);
+        return al_fail(error, AL_BAD_INPUT, "camera \"%s\": its up direction must not point at its target",
+                       camera->name);
     for (int k = 0; k < 3; k++) {
         r->forward[k] /= distance;
         r->right[k] /= across;
@@ -98,13 +106,27 @@ static bool render_batch(const render *r, worker *w, uint32_t x, uint32_t y, uin
     return true;
 }
 
+/* Asked between batches, so that a long pixel can be stopped too; the calling thread is number 0. */
+static bool is_stopped(render *r, unsigned thread)
+{
+    const al_render_options *options = r->options;
+    if (thread == 0 && options->on_progress &&
+        options->on_progress(options->user, r->pixels_done, (double)options->width * options->height))
+        r->stopped = true;
+    return r->stopped;
+}
+
 /* Mean m of B independent batch means m_b; its variance is estimated without bias, whatever B and however the
  * batches' own variances differ, by sum (m_b - m)^2 / (B (B - 1)). */
-static bool render_pixel(render *r, worker *w, uint32_t x, uint32_t y)
+static bool render_pixel(render *r, unsigned thread, uint32_t x, uint32_t y)
 {
     double means[BATCH_LIMIT][3], error = 0;
-    for (uint32_t b = 0; b < r->batches; b++)
-        if (!render_batch(r, w, x, y, b, means[b])) return false;
+    for (uint32_t b = 0; b < r->batches; b++) {
+        if (is_stopped(r, thread)) return false;
+        if (render_batch(r, &r->workers[thread], x, y, b, means[b])) continue;
+        r->out_of_memory = true;
+        return false;
+    }
     size_t pixel = (size_t)y * r->options->width + x;
     for (int c = 0; c < 3; c++) {
         double mean = 0, square = 0;
@@ -117,17 +139,16 @@ static bool render_pixel(render *r, worker *w, uint32_t x, uint32_t y)
     return true;
 }
 
-static bool render_row(void *user, unsigned row, unsigned thread)
+/* A run of a row's pixels: short, so that threads end together. */
+static bool render_run(void *user, unsigned piece, unsigned thread)
 {
     render *r = user;
-    for (uint32_t x = 0; x < r->options->width; x++)
-        if (!render_pixel(r, &r->workers[thread], x, row)) {
-            atomic_store(&r->out_of_memory, true);
-            return false;
-        }
-    unsigned done = atomic_fetch_add(&r->rows_done, 1) + 1;
-    return thread != 0 || !r->options->on_progress ||
-           !r->options->on_progress(r->options->user, done, r->options->height);
+    uint32_t runs = runs_per_row(r->options), first = piece % runs * RUN_PIXELS;
+    for (uint32_t x = first; x < first + RUN_PIXELS && x < r->options->width; x++) {
+        if (!render_pixel(r, thread, x, piece / runs)) return false;
+        r->pixels_done++;
+    }
+    return true;
 }
 
 static bool allocate(render *r, unsigned threads)
@@ -166,16 +187,19 @@ static uint32_t batch_count(uint32_t samples)
 al_status al_render(const al_mode *mode, const void *state, const al_render_options *options, al_image *image,
                     al_image *standard_error, al_error *error)
 {
-    render r = {.mode = mode, .state = state, .options = options, .image = image, .standard_error = standard_error};
-    unsigned threads = al_parallel_threads(options->threads);
+    render r = {
+        .mode = mode, .state = state, .options = options, .image = image, .standard_error = standard_error};
+    unsigned threads = al_parallel_threads(options->threads),
+             pieces = options->height * runs_per_row(options);
     r.batches = batch_count(options->samples);
     r.dimensions = 2 + mode->dimensions(state);
     *image = *standard_error = (al_image){0};
     al_status status = aim(&r, error);
     if (status) return status;
-    if (!allocate(&r, threads) || (!al_parallel(threads, options->height, render_row, &r) && r.out_of_memory))
-        status = al_fail(error, AL_IO, "out of memory for a picture of %u x %u pixels", options->width, options->height);
-    else if (r.rows_done < options->height)
+    if (!allocate(&r, threads) || (!al_parallel(threads, pieces, render_run, &r) && r.out_of_memory))
+        status = al_fail(error, AL_IO, "out of memory for a picture of %u x %u pixels", options->width,
+                         options->height);
+    else if (r.stopped)
         status = al_fail(error, AL_CANCELLED, "cancelled: nothing was written");
     free_workers(&r, threads);
     if (status) {

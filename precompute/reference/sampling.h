@@ -32,9 +32,9 @@ static inline double al_random_real(al_random *random)
     return (double)(al_random_bits(random) >> 11) * 0x1p-53;
 }
 
-/* Latin hypercube (McKay, Beckman and Conover 1979): in each dimension every one of `count` equal strata holds
- * one of the samples, in random order. `points` has room for count * dimensions values in [0, 1), sample by
- * sample. */
+/* Latin hypercube (McKay, Beckman and Conover 1979): in each dimension every one of `count` equal strata
+ * holds one of the samples, in random order. `points` has room for count * dimensions values in [0, 1),
+ * sample by sample. */
 static inline void al_sample_hypercube(al_random *random, uint32_t count, uint32_t dimensions, double *points)
 {
     const double below_one = 0x1.fffffffffffffp-1;

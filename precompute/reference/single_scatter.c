@@ -8,8 +8,8 @@
  *   - distances in proportion to sigma_t T(eye, x): most of the light comes from near the front;
  *   - distances in proportion to sigma_t: for objects lit from behind;
  *   - for point lights, equal angles seen from the light (Kulla and Fajardo 2012), which cancel 1/r^2.
- * The density that was drawn from is the whole mixture's, so the estimate is unbiased and bounded where any of
- * the three is good (balance heuristic, Veach and Guibas 1995). */
+ * The density that was drawn from is the whole mixture's, so the estimate is unbiased and bounded where any
+ * of the three is good (balance heuristic, Veach and Guibas 1995). */
 #include <math.h>
 #include <stdlib.h>
 
@@ -56,8 +56,10 @@ static al_status open_state(const al_import *import, void **out, al_error *error
     state->light_count = import->scene.light_count;
     al_status status = al_environment_sampler_create(&import->scene.environment, &state->environment, error);
     if (!status) status = al_ray_scene_create(import, &state->scene, error);
-    if (status) close_state(state);
-    else *out = state;
+    if (status)
+        close_state(state);
+    else
+        *out = state;
     return status;
 }
 
@@ -92,8 +94,8 @@ typedef struct scatter_point {
     double transmittance[3]; /* to the eye */
 } scatter_point;
 
-/* The three ways to draw a distance, as one distribution. Equal angles are those about a light whose foot on the
- * ray lies at foot_m, height_m from it: distance = foot + height tan(angle). */
+/* The three ways to draw a distance, as one distribution. Equal angles are those about a light whose foot on
+ * the ray lies at foot_m, height_m from it: distance = foot + height tan(angle). */
 typedef struct mixture {
     const al_cells *cells;
     int channels;      /* to draw from: 1 when all are alike */
@@ -163,7 +165,8 @@ static double mixture_density(const mixture *m, const al_cell *cell, double dist
 }
 
 /* The distance in a cell where the cumulative probability is u: Newton's method, kept within the bracket. One
- * distribution inverted as a whole, and not a way picked at random, lets strata of u be strata of distance. */
+ * distribution inverted as a whole, and not a way picked at random, lets strata of u be strata of distance.
+ */
 static double invert_in_cell(const mixture *m, const al_cell *cell, double u)
 {
     enum { STEPS = 60 };
@@ -171,8 +174,10 @@ static double invert_in_cell(const mixture *m, const al_cell *cell, double u)
     for (int i = 0; i < STEPS && high - low > 1e-12 * cell->end_m; i++) {
         double cumulative, density = mixture_density(m, cell, at, &cumulative);
         if (fabs(cumulative - u) < 1e-13) break;
-        if (cumulative < u) low = at;
-        else high = at;
+        if (cumulative < u)
+            low = at;
+        else
+            high = at;
         at -= (cumulative - u) / density;
         if (!(at > low && at < high)) at = 0.5 * (low + high);
     }
@@ -188,8 +193,10 @@ static bool draw_point(const mixture *m, const al_ray *eye, double u, scatter_po
         uint32_t middle = low + (high - low) / 2;
         const al_cell *cell = &m->cells->cells[middle];
         mixture_density(m, cell, cell->begin_m, &cumulative);
-        if (cumulative <= u) low = middle;
-        else high = middle;
+        if (cumulative <= u)
+            low = middle;
+        else
+            high = middle;
     }
     out->cell = &m->cells->cells[low];
     mixture_density(m, out->cell, out->cell->end_m, &cumulative);
@@ -207,8 +214,8 @@ static bool draw_point(const mixture *m, const al_ray *eye, double u, scatter_po
 /* --- the leg to the light --- */
 
 /* Transmittance from a point towards a light `distance_m` away; 0 behind opaque surfaces. */
-static bool light_transmittance(const single_scatter *state, const al_ray *ray, double distance_m, al_line *line,
-                                double transmittance[3])
+static bool light_transmittance(const single_scatter *state, const al_ray *ray, double distance_m,
+                                al_line *line, double transmittance[3])
 {
     double depth[3] = {0};
     for (int c = 0; c < 3; c++) transmittance[c] = 0;
@@ -225,11 +232,12 @@ static bool light_transmittance(const single_scatter *state, const al_ray *ray, 
 }
 
 /* sigma_s p of every medium at the point, for light that arrives from `towards`. */
-static void scattering(const single_scatter *state, const scratch *s, const scatter_point *point, const al_ray *eye,
-                       const double towards[3], double out[3])
+static void scattering(const single_scatter *state, const scratch *s, const scatter_point *point,
+                       const al_ray *eye, const double towards[3], double out[3])
 {
     /* Light travels along -towards, then along -eye. */
-    double cosine = towards[0] * eye->direction[0] + towards[1] * eye->direction[1] + towards[2] * eye->direction[2];
+    double cosine =
+        towards[0] * eye->direction[0] + towards[1] * eye->direction[1] + towards[2] * eye->direction[2];
     out[0] = out[1] = out[2] = 0;
     for (uint32_t i = 0; i < point->cell->part_count; i++) {
         const al_cell_part *part = &s->cells.parts[point->cell->first_part + i];
@@ -252,12 +260,13 @@ static bool add_light(const single_scatter *state, scratch *s, const scatter_poi
     if (!light_transmittance(state, &ray, distance_m, &s->light, transmittance)) return false;
     scattering(state, s, point, eye, towards, scattered);
     for (int c = 0; c < 3; c++)
-        radiance[c] += scattered[c] * point->transmittance[c] * transmittance[c] * power[c] / point->density_per_m;
+        radiance[c] +=
+            scattered[c] * point->transmittance[c] * transmittance[c] * power[c] / point->density_per_m;
     return true;
 }
 
-static bool add_directional(const single_scatter *state, scratch *s, const al_light *light, const al_ray *eye, double u,
-                            double radiance[3])
+static bool add_directional(const single_scatter *state, scratch *s, const al_light *light, const al_ray *eye,
+                            double u, double radiance[3])
 {
     scatter_point point;
     double towards[3], power[3], length = hypot(hypot(light->vector[0], light->vector[1]), light->vector[2]);
@@ -270,11 +279,12 @@ static bool add_directional(const single_scatter *state, scratch *s, const al_li
     return add_light(state, s, &point, eye, towards, INFINITY, power, radiance);
 }
 
-static bool add_point(const single_scatter *state, scratch *s, const al_light *light, const al_ray *eye, double u,
-                      double radiance[3])
+static bool add_point(const single_scatter *state, scratch *s, const al_light *light, const al_ray *eye,
+                      double u, double radiance[3])
 {
     scatter_point point;
-    double position[3] = {light->vector[0], light->vector[1], light->vector[2]}, towards[3], power[3], square = 0;
+    double position[3] = {light->vector[0], light->vector[1], light->vector[2]}, towards[3], power[3],
+           square = 0;
     mixture m = make_mixture(&s->cells, eye, position);
     if (!draw_point(&m, eye, u, &point)) return true;
     for (int k = 0; k < 3; k++) {
@@ -310,13 +320,15 @@ static double main_asymmetry(const single_scatter *state, const scratch *s, cons
     for (uint32_t i = 0; i < point->cell->part_count; i++) {
         const al_cell_part *part = &s->cells.parts[point->cell->first_part + i];
         const al_march_medium *medium = &state->media[part->object];
-        double scatters = part->density * (medium->sigma_s_per_m[0] + medium->sigma_s_per_m[1] + medium->sigma_s_per_m[2]);
+        double scatters =
+            part->density * (medium->sigma_s_per_m[0] + medium->sigma_s_per_m[1] + medium->sigma_s_per_m[2]);
         if (scatters > most) most = scatters, g = medium->g;
     }
     return g;
 }
 
-/* Directions half from the map and half from the phase function; from the map alone where that is nearly even. */
+/* Directions half from the map and half from the phase function; from the map alone where that is nearly
+ * even. */
 static bool add_environment(const single_scatter *state, scratch *s, const al_ray *eye, const double u[3],
                             double radiance[3])
 {
@@ -332,7 +344,8 @@ static bool add_environment(const single_scatter *state, scratch *s, const al_ra
         shifted[0] = (u[1] - phase_share) / (1 - phase_share);
         al_environment_sample(&state->environment, shifted, towards);
     }
-    double cosine = towards[0] * eye->direction[0] + towards[1] * eye->direction[1] + towards[2] * eye->direction[2];
+    double cosine =
+        towards[0] * eye->direction[0] + towards[1] * eye->direction[1] + towards[2] * eye->direction[2];
     double density = (1 - phase_share) * al_environment_density(&state->environment, towards, power);
     if (phase_share > 0) density += phase_share * al_phase(g, cosine);
     if (!(density > 0)) return true;

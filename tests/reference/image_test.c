@@ -23,7 +23,8 @@ static al_image make_image(uint32_t channels)
 {
     al_image image = {WIDTH, HEIGHT, channels, malloc(sizeof(float) * WIDTH * HEIGHT * channels)};
     for (uint32_t i = 0; i < WIDTH * HEIGHT; i++)
-        for (uint32_t c = 0; c < channels; c++) image.pixels[i * channels + c] = value_at(i % WIDTH, i / WIDTH, c);
+        for (uint32_t c = 0; c < channels; c++)
+            image.pixels[i * channels + c] = value_at(i % WIDTH, i / WIDTH, c);
     return image;
 }
 
@@ -87,8 +88,8 @@ static int write_variant(const char *path, variant v)
     center.x = center.y = 0;
     failed |= exr_start_write(&context, path, EXR_WRITE_FILE_DIRECTLY, &options);
     failed |= exr_add_part(context, "p", v.storage, &part);
-    failed |= exr_initialize_required_attr(context, part, &window, &window, 1, &center, 1, EXR_LINEORDER_INCREASING_Y,
-                                           v.compression);
+    failed |= exr_initialize_required_attr(context, part, &window, &window, 1, &center, 1,
+                                           EXR_LINEORDER_INCREASING_Y, v.compression);
     if (v.storage == EXR_STORAGE_TILED)
         failed |= exr_set_tile_descriptor(context, part, 16, 8, EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN);
     const char *names[] = {"A", "B", "G", "R"};
@@ -128,8 +129,9 @@ static int write_variant(const char *path, variant v)
 
 static void test_variants(void)
 {
-    static const exr_compression_t lossless[] = {EXR_COMPRESSION_NONE, EXR_COMPRESSION_RLE, EXR_COMPRESSION_ZIPS,
-                                                 EXR_COMPRESSION_ZIP, EXR_COMPRESSION_PIZ};
+    static const exr_compression_t lossless[] = {EXR_COMPRESSION_NONE, EXR_COMPRESSION_RLE,
+                                                 EXR_COMPRESSION_ZIPS, EXR_COMPRESSION_ZIP,
+                                                 EXR_COMPRESSION_PIZ};
     al_error error;
     for (int storage = EXR_STORAGE_SCANLINE; storage <= EXR_STORAGE_TILED; storage++)
         for (int type = EXR_PIXEL_UINT; type <= EXR_PIXEL_FLOAT; type++)
@@ -147,7 +149,8 @@ static void test_variants(void)
                         wrong += image.pixels[p * 3 + c] != expected;
                     }
                 CHECK(wrong == 0);
-                if (wrong) fprintf(stderr, "storage %d, type %d, compression %d\n", storage, type, lossless[i]);
+                if (wrong)
+                    fprintf(stderr, "storage %d, type %d, compression %d\n", storage, type, lossless[i]);
                 al_image_free(&image);
             }
 }

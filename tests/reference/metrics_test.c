@@ -10,7 +10,8 @@
 #include "../test.h"
 #include "flip.h"
 
-static al_metrics measure(const al_image *a, const al_image *b, const al_image *error_a, const al_image *error_b)
+static al_metrics measure(const al_image *a, const al_image *b, const al_image *error_a,
+                          const al_image *error_b)
 {
     al_comparison comparison = {a, b, error_a, error_b};
     al_metrics metrics;
@@ -68,8 +69,9 @@ static void test_special_values(void)
     CHECK(isinf(m.values[AL_METRIC_CHI2_MEAN]) && isinf(m.values[AL_METRIC_BLOCK_WORST_SIGMA]));
 }
 
-/* Pictures with noise of the stated error agree: chi2 about 1 (1000 values: standard deviation sqrt(2/1000), so
- * 1 +- 0.25 is more than five), blocks below four. With the errors stated three times too small they do not. */
+/* Pictures with noise of the stated error agree: chi2 about 1 (1000 values: standard deviation sqrt(2/1000),
+ * so 1 +- 0.25 is more than five), blocks below four. With the errors stated three times too small they do
+ * not. */
 static void test_noise(void)
 {
     enum { WIDTH = 40, HEIGHT = 25, COUNT = WIDTH * HEIGHT };
@@ -78,7 +80,8 @@ static void test_noise(void)
     for (int i = 0; i < COUNT; i++) {
         for (int side = 0; side < 2; side++) {
             double sum = 0; /* of twelve uniform numbers: variance 1 */
-            for (int k = 0; k < 12; k++) sum += (double)((state = state * 1664525u + 1013904223u) >> 8) / (1 << 24);
+            for (int k = 0; k < 12; k++)
+                sum += (double)((state = state * 1664525u + 1013904223u) >> 8) / (1 << 24);
             pixels[side][i] = (float)(10 + 0.5 * (sum - 6));
         }
         pixels[2][i] = 0.5f;
@@ -89,7 +92,8 @@ static void test_noise(void)
     al_metrics m = measure(&a, &b, &e, &e);
     CHECK_NEAR(m.values[AL_METRIC_CHI2_MEAN], 1, 0.25);
     CHECK(m.values[AL_METRIC_BLOCK_WORST_SIGMA] < 4);
-    CHECK_NEAR(measure(&a, &b, &e3, &e3).values[AL_METRIC_CHI2_MEAN], 9 * m.values[AL_METRIC_CHI2_MEAN], 1e-3);
+    CHECK_NEAR(measure(&a, &b, &e3, &e3).values[AL_METRIC_CHI2_MEAN], 9 * m.values[AL_METRIC_CHI2_MEAN],
+               1e-3);
 }
 
 enum { FLIP_WIDTH = 61, FLIP_HEIGHT = 47, PAIRS = 4 };
@@ -123,14 +127,16 @@ static float test_value(int pair, int x, int y, int c)
     return x > 40 && y > 20 ? 8 * noisy : 0;
 }
 
-/* Expected: flip-evaluator 1.7, the authors' tool, on these pictures, at 67.0206 pixels per degree (LDR with both
- * clamped to [0, 1], linear). It computes in float32 with some tabulated constants: agreement to 1e-4. */
+/* Expected: flip-evaluator 1.7, the authors' tool, on these pictures, at 67.0206 pixels per degree (LDR with
+ * both clamped to [0, 1], linear). It computes in float32 with some tabulated constants: agreement to 1e-4.
+ */
 static void test_flip(void)
 {
     static const double ldr[PAIRS] = {0.3575720, 0.0284462, 0.0596645, 0.0159974};
     static const double hdr[PAIRS] = {0.3141576, 0.0170514, 0.0655235, 0.0226933};
     static float pixels[2][FLIP_HEIGHT * FLIP_WIDTH * 3], map[FLIP_HEIGHT * FLIP_WIDTH];
-    al_image reference = {FLIP_WIDTH, FLIP_HEIGHT, 3, pixels[0]}, test = {FLIP_WIDTH, FLIP_HEIGHT, 3, pixels[1]};
+    al_image reference = {FLIP_WIDTH, FLIP_HEIGHT, 3, pixels[0]},
+             test = {FLIP_WIDTH, FLIP_HEIGHT, 3, pixels[1]};
     for (int pair = 0; pair < PAIRS; pair++) {
         for (int i = 0; i < FLIP_WIDTH * FLIP_HEIGHT * 3; i++) {
             int x = i / 3 % FLIP_WIDTH, y = i / 3 / FLIP_WIDTH;

@@ -1,5 +1,5 @@
-/* Single scattering against closed forms and quadrature. "Within noise" is 4.5 standard errors of 16 batches (t
- * distribution of 15 degrees: one in 2000) plus the stated error of the set-up; seeds are fixed. */
+/* Single scattering against closed forms and quadrature. "Within noise" is 4.5 standard errors of 16 batches
+ * (t distribution of 15 degrees: one in 2000) plus the stated error of the set-up; seeds are fixed. */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
 #include <stdarg.h>
@@ -27,26 +27,27 @@ static test_scene open_scene_of(const char *format, ...)
 /* --- a homogeneous sphere --- */
 
 #define SPHERE(radius, medium, rest) \
-    "{\"meshes\":[{\"name\":\"ball\",\"shape\":{\"type\":\"sphere\",\"radius_m\":" radius ",\"subdivisions\":6}}]," \
-    "\"media\":[{\"name\":\"m\"," medium "}]," \
-    "\"translucents\":[{\"name\":\"o\",\"mesh\":\"ball\",\"medium\":\"m\"}]," rest "}"
+    "{'meshes':[{'name':'ball','shape':{'type':'sphere','radius_m':" radius ",'subdivisions':6}}]," \
+    "'media':[{'name':'m'," medium "}]," \
+    "'translucents':[{'name':'o','mesh':'ball','medium':'m'}]," rest "}"
 
-/* 20 * 4^6 triangles inscribed in the unit sphere: edges of 1.107/64 rad, so faces lie up to (edge/sqrt 3)^2 / 2 =
- * 5e-5 below the sphere. A ray at radius 0.95 meets them at cosine 0.3: 1.7e-4 along it at each end of both legs;
- * the radiance changes by that times 1/chord (0.6) and by that times sigma_t. */
+/* 20 * 4^6 triangles inscribed in the unit sphere: edges of 1.107/64 rad, so faces lie up to (edge/sqrt 3)^2
+ * / 2 = 5e-5 below the sphere. A ray at radius 0.95 meets them at cosine 0.3: 1.7e-4 along it at each end of
+ * both legs; the radiance changes by that times 1/chord (0.6) and by that times sigma_t. */
 static double sphere_error(double sigma_t)
 {
     return 1.7e-4 * (2 / 0.6 + sigma_t);
 }
 
-static void check_rows(const double (*rows)[3], size_t count, double sigma_t, double albedo, const double light[3],
-                       double g)
+static void check_rows(const double (*rows)[3], size_t count, double sigma_t, double albedo,
+                       const double light[3], double g)
 {
-    test_scene scene = open_scene_of(
-        SPHERE("1", "\"sigma_s_per_m\":%.17g,\"sigma_a_per_m\":%.17g,\"g\":%g",
-               "\"lights\":[{\"type\":\"directional\",\"direction\":[%g,%g,%g],\"irradiance_w_m2\":1}]"),
-        sigma_t * albedo, sigma_t * (1 - albedo), g, light[0], light[1], light[2]);
-    /* One direction of light, one of sight: the phase function is a factor. Light travels along `light`, then +z. */
+    test_scene scene =
+        open_scene_of(SPHERE("1", "'sigma_s_per_m':%.17g,'sigma_a_per_m':%.17g,'g':%g",
+                             "'lights':[{'type':'directional','direction':[%g,%g,%g],'irradiance_w_m2':1}]"),
+                      sigma_t * albedo, sigma_t * (1 - albedo), g, light[0], light[1], light[2]);
+    /* One direction of light, one of sight: the phase function is a factor. Light travels along `light`, then
+     * +z. */
     double phase = 4 * AL_PI * al_phase(g, light[2]);
     for (size_t i = 0; i < count; i++) {
         al_ray ray = ray_along(rows[i][0], rows[i][1], 10, 0, 0, -1);
@@ -60,8 +61,10 @@ static void check_rows(const double (*rows)[3], size_t count, double sigma_t, do
 static void test_sphere(void)
 {
     check_rows(sphere_rows_0, sizeof sphere_rows_0 / sizeof *sphere_rows_0, 2, 0.9, (double[]){0, 0, -1}, 0);
-    check_rows(sphere_rows_1, sizeof sphere_rows_1 / sizeof *sphere_rows_1, 2, 0.9, (double[]){-0.6, 0, -0.8}, 0);
-    check_rows(sphere_rows_2, sizeof sphere_rows_2 / sizeof *sphere_rows_2, 6, 0.8, (double[]){0, -0.6, 0.8}, 0);
+    check_rows(sphere_rows_1, sizeof sphere_rows_1 / sizeof *sphere_rows_1, 2, 0.9, (double[]){-0.6, 0, -0.8},
+               0);
+    check_rows(sphere_rows_2, sizeof sphere_rows_2 / sizeof *sphere_rows_2, 6, 0.8, (double[]){0, -0.6, 0.8},
+               0);
     check_rows(sphere_rows_1, 3, 2, 0.9, (double[]){-0.6, 0, -0.8}, 0.7);
     check_rows(sphere_rows_1, 3, 2, 0.9, (double[]){-0.6, 0, -0.8}, -0.95);
 }
@@ -73,7 +76,8 @@ static double exit_distance(const double p[3], const double d[3], double limit)
     return fmin(-along + sqrt(along * along - square + 1), limit);
 }
 
-/* Midpoint quadrature of L = integral sigma_s/(4 pi) exp(-sigma_t (t + d)) I / r^2 along (0.3, 0.2, 1) - z. */
+/* Midpoint quadrature of L = integral sigma_s/(4 pi) exp(-sigma_t (t + d)) I / r^2 along (0.3, 0.2, 1) - z.
+ */
 static double point_light_quadrature(double sigma_s, double sigma_t, const double light[3])
 {
     enum { STEPS = 200000 };
@@ -95,11 +99,12 @@ static void test_point_light(void)
     for (int i = 0; i < 3; i++) {
         const double *l = lights[i];
         test_scene scene = open_scene_of(
-            SPHERE("1", "\"sigma_s_per_m\":3,\"sigma_a_per_m\":[0.5,1,1]",
-                   "\"lights\":[{\"type\":\"point\",\"position_m\":[%g,%g,%g],\"intensity_w_sr\":[0,1,2]}]"),
+            SPHERE("1", "'sigma_s_per_m':3,'sigma_a_per_m':[0.5,1,1]",
+                   "'lights':[{'type':'point','position_m':[%g,%g,%g],'intensity_w_sr':[0,1,2]}]"),
             l[0], l[1], l[2]);
         al_ray ray = ray_along(0.3, 0.2, 7, 0, 0, -1);
-        double error, expected = point_light_quadrature(3, 4, l), value = estimate(&scene, &ray, 64, 1, &error);
+        double error, expected = point_light_quadrature(3, 4, l),
+                      value = estimate(&scene, &ray, 64, 1, &error);
         CHECK_NEAR(value, expected, sigmas * error + sphere_error(4) * expected);
         CHECK(error <= 0.01 * expected);
         CHECK_NEAR(estimate(&scene, &ray, 64, 2, &error), 2 * value, 1e-12 * value);
@@ -108,14 +113,15 @@ static void test_point_light(void)
     }
 }
 
-/* A thin medium under an even sky scatters sigma_s times the chord times the sky, whatever the phase function. */
+/* A thin medium under an even sky scatters sigma_s times the chord times the sky, whatever the phase
+ * function. */
 static void test_even_sky(void)
 {
     static const double asymmetries[] = {0, 0.5, -0.9, 0.99};
     for (int i = 0; i < 4; i++) {
-        test_scene scene = open_scene_of(SPHERE("1", "\"sigma_s_per_m\":1e-6,\"g\":%g",
-                                                "\"environment\":{\"radiance_w_m2_sr\":[1,2,3]}"),
-                                         asymmetries[i]);
+        test_scene scene = open_scene_of(
+            SPHERE("1", "'sigma_s_per_m':1e-6,'g':%g", "'environment':{'radiance_w_m2_sr':[1,2,3]}"),
+            asymmetries[i]);
         al_ray ray = ray_along(0.3, 0.2, 7, 0, 0, -1);
         double error, expected = 2e-6 * 2 * sqrt(1 - 0.13), value = estimate(&scene, &ray, 64, 1, &error);
         CHECK_NEAR(value, expected, sigmas * error + 1e-4 * expected);
@@ -126,11 +132,10 @@ static void test_even_sky(void)
 
 /* --- boxes: light from +x, seen from +z, everything in closed form --- */
 
-#define BOX(name, size) "{\"name\":\"" name "\",\"shape\":{\"type\":\"box\",\"size_m\":" size "}"
-#define SUN "\"lights\":[{\"type\":\"directional\",\"direction\":[-1,0,0],\"irradiance_w_m2\":[1,2,3]}]"
+#define SUN "'lights':[{'type':'directional','direction':[-1,0,0],'irradiance_w_m2':[1,2,3]}]"
 
-/* Depth 0 to `length` at extinction s, light coming `across` through the same: s_s/(4 pi) E exp(-s across) (1 -
- * exp(-s length)) / s. */
+/* Depth 0 to `length` at extinction s, light coming `across` through the same: s_s/(4 pi) E exp(-s across) (1
+ * - exp(-s length)) / s. */
 static double box_radiance(double sigma_s, double sigma_t, double across, double length)
 {
     return sigma_s / (4 * AL_PI) * exp(-sigma_t * across) * -expm1(-sigma_t * length) / sigma_t;
@@ -148,14 +153,15 @@ static void check_ray(const test_scene *scene, al_ray ray, double expected, doub
 static void test_absorber_in_front(void)
 {
     test_scene scene = open_scene(
-        "{\"meshes\":[" BOX("back", "1") "}," BOX("front", "1") ",\"transform\":{\"translate_m\":[0,0,1.5]}}],"
-        "\"media\":[{\"name\":\"milk\",\"sigma_s_per_m\":2},{\"name\":\"ink\",\"sigma_a_per_m\":1.5}],"
-        "\"translucents\":[{\"name\":\"b\",\"mesh\":\"back\",\"medium\":\"milk\"},"
-        "{\"name\":\"f\",\"mesh\":\"front\",\"medium\":\"ink\"}]," SUN "}");
+        "{'meshes':[{'name':'back','shape':{'type':'box','size_m':1}},"
+        "{'name':'front','shape':{'type':'box','size_m':1},'transform':{'translate_m':[0,0,1.5]}}],"
+        "'media':[{'name':'milk','sigma_s_per_m':2},{'name':'ink','sigma_a_per_m':1.5}],"
+        "'translucents':[{'name':'b','mesh':'back','medium':'milk'},"
+        "{'name':'f','mesh':'front','medium':'ink'}]," SUN "}");
     double inside = box_radiance(2, 2, 0.4, 1);
     check_ray(&scene, ray_along(0.1, 0.2, 5, 0, 0, -1), inside * exp(-1.5), 1e-6);
-    check_ray(&scene, ray_along(0.1, 0.2, 0.8, 0, 0, -1), inside, 1e-6);                /* between them */
-    check_ray(&scene, ray_along(0.1, 0.2, 1.5, 0, 0, -1), inside * exp(-0.75), 1e-6);   /* in the absorber */
+    check_ray(&scene, ray_along(0.1, 0.2, 0.8, 0, 0, -1), inside, 1e-6);              /* between them */
+    check_ray(&scene, ray_along(0.1, 0.2, 1.5, 0, 0, -1), inside * exp(-0.75), 1e-6); /* in the absorber */
     check_ray(&scene, ray_along(0.1, 0.2, 0, 0, 0, -1), box_radiance(2, 2, 0.4, 0.5), 1e-6); /* in the milk */
     check_ray(&scene, ray_along(0.1, 0.2, 0, 0, 0, 1), box_radiance(2, 2, 0.4, 0.5), 1e-6);
     check_ray(&scene, ray_along(0.7, 0.2, 5, 0, 0, -1), 0, 0);
@@ -165,28 +171,33 @@ static void test_absorber_in_front(void)
 /* Two objects in the same place: coefficients add, faces coincide. */
 static void test_overlap(void)
 {
-    test_scene scene = open_scene(
-        "{\"meshes\":[" BOX("a", "1") "}," BOX("b", "1") "}],"
-        "\"media\":[{\"name\":\"one\",\"sigma_s_per_m\":1,\"g\":0.5},{\"name\":\"two\",\"sigma_s_per_m\":0.5,"
-        "\"sigma_a_per_m\":1}],\"translucents\":[{\"name\":\"a\",\"mesh\":\"a\",\"medium\":\"one\"},"
-        "{\"name\":\"b\",\"mesh\":\"b\",\"medium\":\"two\"}]," SUN "}");
+    test_scene scene = open_scene("{'meshes':[{'name':'a','shape':{'type':'box','size_m':1}},"
+                                  "{'name':'b','shape':{'type':'box','size_m':1}}],"
+                                  "'media':[{'name':'one','sigma_s_per_m':1,'g':0.5},"
+                                  "{'name':'two','sigma_s_per_m':0.5,'sigma_a_per_m':1}],"
+                                  "'translucents':[{'name':'a','mesh':'a','medium':'one'},"
+                                  "{'name':'b','mesh':'b','medium':'two'}]," SUN "}");
     /* sigma_s p: 1 at g = 0.5 and a right angle, 0.5 isotropic. */
     double effective = 1 * 4 * AL_PI * al_phase(0.5, 0) + 0.5;
     check_ray(&scene, ray_along(0.1, 0.2, 5, 0, 0, -1), box_radiance(effective, 2.5, 0.4, 1), 1e-6);
     close_scene(&scene);
 }
 
-/* A plate in the box at z = 0.2 ends the eye ray; a wall at x = 0.3 keeps the light from all but 5 cm at each end of
- * a ray behind it. */
+/* A plate in the box at z = 0.2 ends the eye ray; a wall at x = 0.3 keeps the light from all but 5 cm at each
+ * end of a ray behind it. */
 static void test_blockers(void)
 {
     test_scene scene = open_scene(
-        "{\"meshes\":[" BOX("box", "1") "}," BOX("plate", "[0.4,0.9,0.02]")
-        ",\"transform\":{\"translate_m\":[0.28,0,0.19]}}," BOX("wall", "[0.02,0.2,0.9]")
-        ",\"transform\":{\"translate_m\":[0.3,-0.3,0]}}],\"media\":[{\"name\":\"m\",\"sigma_s_per_m\":2}],"
-        "\"translucents\":[{\"name\":\"o\",\"mesh\":\"box\",\"medium\":\"m\",\"blockers\":[\"plate\",\"wall\"]}]," SUN "}");
+        "{'meshes':[{'name':'box','shape':{'type':'box','size_m':1}},"
+        "{'name':'plate','shape':{'type':'box','size_m':[0.4,0.9,0.02]},"
+        "'transform':{'translate_m':[0.28,0,0.19]}},"
+        "{'name':'wall','shape':{'type':'box','size_m':[0.02,0.2,0.9]},"
+        "'transform':{'translate_m':[0.3,-0.3,0]}}],"
+        "'media':[{'name':'m','sigma_s_per_m':2}],"
+        "'translucents':[{'name':'o','mesh':'box','medium':'m','blockers':['plate','wall']}]," SUN "}");
     check_ray(&scene, ray_along(0.4, 0.2, 5, 0, 0, -1), box_radiance(2, 2, 0.1, 0.3), 1e-5);
-    check_ray(&scene, ray_along(0, -0.3, 5, 0, 0, -1), box_radiance(2, 2, 0.5, 0.05) * (1 + exp(-2 * 0.95)), 1e-5);
+    check_ray(&scene, ray_along(0, -0.3, 5, 0, 0, -1), box_radiance(2, 2, 0.5, 0.05) * (1 + exp(-2 * 0.95)),
+              1e-5);
     close_scene(&scene);
 }
 
@@ -194,30 +205,35 @@ static void test_blockers(void)
 static void test_opaque(void)
 {
     test_scene scene = open_scene(
-        "{\"meshes\":[" BOX("box", "1") "}," BOX("shade", "[0.1,0.5,2]")
-        ",\"transform\":{\"translate_m\":[2,-0.25,0]}}," BOX("lid", "[0.2,1,0.1]")
-        ",\"transform\":{\"translate_m\":[-0.4,0,2]}}],\"media\":[{\"name\":\"m\",\"sigma_s_per_m\":2}],"
-        "\"translucents\":[{\"name\":\"o\",\"mesh\":\"box\",\"medium\":\"m\"}]," SUN "}");
+        "{'meshes':[{'name':'box','shape':{'type':'box','size_m':1}},"
+        "{'name':'shade','shape':{'type':'box','size_m':[0.1,0.5,2]},"
+        "'transform':{'translate_m':[2,-0.25,0]}},"
+        "{'name':'lid','shape':{'type':'box','size_m':[0.2,1,0.1]},'transform':{'translate_m':[-0.4,0,2]}}],"
+        "'media':[{'name':'m','sigma_s_per_m':2}],"
+        "'translucents':[{'name':'o','mesh':'box','medium':'m'}]," SUN "}");
     check_ray(&scene, ray_along(0.1, 0.2, 5, 0, 0, -1), box_radiance(2, 2, 0.4, 1), 1e-6);
     check_ray(&scene, ray_along(0.1, -0.2, 5, 0, 0, -1), 0, 0);
     check_ray(&scene, ray_along(-0.4, 0.2, 5, 0, 0, -1), 0, 0);
     close_scene(&scene);
 }
 
-/* Layers of density 3 on 0.5, stacked along z: exp(-tau) integrated piece by piece; the bounds end the medium. */
+/* Layers of density 3 on 0.5, stacked along z: exp(-tau) integrated piece by piece; the bounds end the
+ * medium. */
 static void test_layers(void)
 {
     test_scene scene = open_scene(
-        "{\"meshes\":[" BOX("box", "1") "}],\"media\":[{\"name\":\"m\",\"sigma_s_per_m\":1.2,\"sigma_a_per_m\":0.3,"
-        "\"density\":{\"type\":\"layers\",\"axis\":[0,0,1],\"period_m\":0.2,\"thickness_m\":0.07,\"low\":0.5,\"high\":3,"
-        "\"bounds_min_m\":[-1,-1,-0.33],\"bounds_max_m\":[0.3,1,0.4]}}],"
-        "\"translucents\":[{\"name\":\"o\",\"mesh\":\"box\",\"medium\":\"m\"}]," SUN "}");
+        "{'meshes':[{'name':'box','shape':{'type':'box','size_m':1}}],"
+        "'media':[{'name':'m','sigma_s_per_m':1.2,'sigma_a_per_m':0.3,"
+        "'density':{'type':'layers','axis':[0,0,1],'period_m':0.2,'thickness_m':0.07,"
+        "'low':0.5,'high':3,'bounds_min_m':[-1,-1,-0.33],'bounds_max_m':[0.3,1,0.4]}}],"
+        "'translucents':[{'name':'o','mesh':'box','medium':'m'}]," SUN "}");
     enum { STEPS = 7300 }; /* of 0.1 mm from z = 0.4 down to -0.33: every face lies on a step */
     double expected = 0, depth = 0, step = 1e-4;
     for (int i = 0; i < STEPS; i++) {
         double z = 0.4 - (i + 0.5) * step, within = z / 0.2 - floor(z / 0.2);
         double density = within * 0.2 < 0.07 ? 3 : 0.5, sigma_t = 1.5 * density;
-        expected += 1.2 * density / (4 * AL_PI) * exp(-depth - sigma_t * 0.2) * -expm1(-sigma_t * step) / sigma_t;
+        expected +=
+            1.2 * density / (4 * AL_PI) * exp(-depth - sigma_t * 0.2) * -expm1(-sigma_t * step) / sigma_t;
         depth += sigma_t * step;
     }
     check_ray(&scene, ray_along(0.1, 0.2, 5, 0, 0, -1), expected, 1e-6);
@@ -228,9 +244,10 @@ static void test_layers(void)
 /* Red sees another depth than blue. */
 static void test_chromatic(void)
 {
-    test_scene scene = open_scene(
-        "{\"meshes\":[" BOX("box", "1") "}],\"media\":[{\"name\":\"m\",\"sigma_s_per_m\":[0.1,1,20],"
-        "\"sigma_a_per_m\":[0,0.1,0]}],\"translucents\":[{\"name\":\"o\",\"mesh\":\"box\",\"medium\":\"m\"}]," SUN "}");
+    test_scene scene =
+        open_scene("{'meshes':[{'name':'box','shape':{'type':'box','size_m':1}}],"
+                   "'media':[{'name':'m','sigma_s_per_m':[0.1,1,20],'sigma_a_per_m':[0,0.1,0]}],"
+                   "'translucents':[{'name':'o','mesh':'box','medium':'m'}]," SUN "}");
     const double sigma_s[3] = {0.1, 1, 20}, sigma_t[3] = {0.1, 1.1, 20};
     al_ray ray = ray_along(0.1, 0.2, 5, 0, 0, -1);
     for (int c = 0; c < 3; c++) {
@@ -248,11 +265,12 @@ static void test_extremes(void)
 {
     for (double thickness = 1e-6; thickness < 2e4; thickness *= 1e5)
         for (double size = 1e-4; size < 2e4; size *= 1e4) {
-            test_scene scene = open_scene_of(
-                "{\"meshes\":[" BOX("box", "%g") "}],\"media\":[{\"name\":\"m\",\"sigma_s_per_m\":%.17g}],"
-                "\"translucents\":[{\"name\":\"o\",\"mesh\":\"box\",\"medium\":\"m\"}],"
-                "\"lights\":[{\"type\":\"directional\",\"direction\":[0,0,-1],\"irradiance_w_m2\":1}]}",
-                size, thickness / size);
+            test_scene scene =
+                open_scene_of("{'meshes':[{'name':'box','shape':{'type':'box','size_m':%g}}],"
+                              "'media':[{'name':'m','sigma_s_per_m':%.17g}],"
+                              "'translucents':[{'name':'o','mesh':'box','medium':'m'}],"
+                              "'lights':[{'type':'directional','direction':[0,0,-1],'irradiance_w_m2':1}]}",
+                              size, thickness / size);
             al_ray ray = ray_along(0.1 * size, 0.2 * size, 100 * size, 0, 0, -1);
             double error, value = estimate(&scene, &ray, 64, 0, &error);
             double expected = -expm1(-2 * thickness) / (8 * AL_PI);
@@ -265,18 +283,21 @@ static void test_extremes(void)
 /* A light in the corner of the box's boundary, and none at all: finite, and black. */
 static void test_lights(void)
 {
-    test_scene scene = open_scene(
-        "{\"meshes\":[" BOX("box", "1") "}],\"media\":[{\"name\":\"m\",\"sigma_s_per_m\":2}],"
-        "\"translucents\":[{\"name\":\"o\",\"mesh\":\"box\",\"medium\":\"m\"}],"
-        "\"lights\":[{\"type\":\"point\",\"position_m\":[0.5,0.5,0.5],\"intensity_w_sr\":1}]}");
-    al_ray rays[] = {ray_along(0.1, 0.2, 5, 0, 0, -1), ray_along(0.5, 0.5, 5, 0, 0, -1), ray_along(3, 3, 3, -1, -1, -1)};
+    test_scene scene =
+        open_scene("{'meshes':[{'name':'box','shape':{'type':'box','size_m':1}}],"
+                   "'media':[{'name':'m','sigma_s_per_m':2}],"
+                   "'translucents':[{'name':'o','mesh':'box','medium':'m'}],"
+                   "'lights':[{'type':'point','position_m':[0.5,0.5,0.5],'intensity_w_sr':1}]}");
+    al_ray rays[] = {ray_along(0.1, 0.2, 5, 0, 0, -1), ray_along(0.5, 0.5, 5, 0, 0, -1),
+                     ray_along(3, 3, 3, -1, -1, -1)};
     for (int i = 0; i < 3; i++) {
         double error, value = estimate(&scene, &rays[i], 32, 0, &error);
         CHECK(isfinite(value) && value >= 0 && isfinite(error));
     }
     close_scene(&scene);
-    scene = open_scene("{\"meshes\":[" BOX("box", "1") "}],\"media\":[{\"name\":\"m\",\"sigma_s_per_m\":2}],"
-                       "\"translucents\":[{\"name\":\"o\",\"mesh\":\"box\",\"medium\":\"m\"}]}");
+    scene = open_scene("{'meshes':[{'name':'box','shape':{'type':'box','size_m':1}}],"
+                       "'media':[{'name':'m','sigma_s_per_m':2}],"
+                       "'translucents':[{'name':'o','mesh':'box','medium':'m'}]}");
     check_ray(&scene, rays[0], 0, 0);
     close_scene(&scene);
 }
@@ -284,15 +305,16 @@ static void test_lights(void)
 /* Four times the samples: half the error or less (stratified strata do better). */
 static void test_convergence(void)
 {
-    test_scene scene = open_scene(SPHERE("1", "\"sigma_s_per_m\":3",
-                                         "\"environment\":{\"radiance_w_m2_sr\":1},\"lights\":[{\"type\":\"point\","
-                                         "\"position_m\":[1.5,1,0],\"intensity_w_sr\":1}]"));
+    test_scene scene = open_scene(SPHERE("1", "'sigma_s_per_m':3",
+                                         "'environment':{'radiance_w_m2_sr':1},'lights':[{'type':'point','"
+                                         "position_m':[1.5,1,0],'intensity_w_sr':1}]"));
     al_ray ray = ray_along(0.3, 0.2, 7, 0, 0, -1);
     double error, finest, last = INFINITY, best = estimate(&scene, &ray, 4096, 0, &finest);
     for (uint32_t count = 4; count <= 1024; count *= 4) {
         double value = estimate(&scene, &ray, count, 0, &error);
         CHECK_NEAR(value, best, sigmas * hypot(error, finest));
-        /* An error from 16 batches is itself known to 1/sqrt(30): two of them differ by up to 1.8 at 2.3 sigma. */
+        /* An error from 16 batches is itself known to 1/sqrt(30): two of them differ by up to 1.8 at 2.3
+         * sigma. */
         CHECK(error < 0.5 * 1.8 * last);
         last = error;
     }
@@ -305,7 +327,8 @@ static void test_convergence(void)
 static double chord(const al_line *line)
 {
     double sum = 0;
-    for (uint32_t i = 0; i < line->segment_count; i++) sum += line->segments[i].end_m - line->segments[i].begin_m;
+    for (uint32_t i = 0; i < line->segment_count; i++)
+        sum += line->segments[i].end_m - line->segments[i].begin_m;
     return sum;
 }
 
@@ -318,7 +341,8 @@ static double box_chord(const al_ray *ray)
             if (fabs(ray->origin[k]) > 0.5) return 0;
             continue;
         }
-        double a = (-0.5 - ray->origin[k]) / ray->direction[k], b = (0.5 - ray->origin[k]) / ray->direction[k];
+        double a = (-0.5 - ray->origin[k]) / ray->direction[k],
+               b = (0.5 - ray->origin[k]) / ray->direction[k];
         first = fmax(first, fmin(a, b));
         last = fmin(last, fmax(a, b));
     }
@@ -336,16 +360,18 @@ static void check_chord(const al_ray_scene *scene, al_line *line, al_ray ray, in
         if (fabs(chord(line) - box_chord(&shifted)) <= 1e-4) return;
     }
     (*wrong)++;
-    fprintf(stderr, "chord %.9g, expected %.9g: from (%g, %g, %g) along (%g, %g, %g)\n", chord(line), box_chord(&ray),
-            ray.origin[0], ray.origin[1], ray.origin[2], ray.direction[0], ray.direction[1], ray.direction[2]);
+    fprintf(stderr, "chord %.9g, expected %.9g: from (%g, %g, %g) along (%g, %g, %g)\n", chord(line),
+            box_chord(&ray), ray.origin[0], ray.origin[1], ray.origin[2], ray.direction[0], ray.direction[1],
+            ray.direction[2]);
 }
 
 /* Through corners, edges and diagonals, from afar, from the faces and from within. */
 static void test_chords(void)
 {
     enum { RANDOM_RAYS = 50000 };
-    test_scene scene = open_scene("{\"meshes\":[" BOX("box", "1") "}],\"media\":[{\"name\":\"m\",\"sigma_s_per_m\":1}],"
-                                  "\"translucents\":[{\"name\":\"o\",\"mesh\":\"box\",\"medium\":\"m\"}]}");
+    test_scene scene = open_scene("{'meshes':[{'name':'box','shape':{'type':'box','size_m':1}}],"
+                                  "'media':[{'name':'m','sigma_s_per_m':1}],"
+                                  "'translucents':[{'name':'o','mesh':'box','medium':'m'}]}");
     al_ray_scene *rays;
     al_error error;
     al_line line = {0};
@@ -367,7 +393,8 @@ static void test_chords(void)
             to[k] = 1.4 * al_random_real(&random) - 0.7;
             from[k] = (i % 2 ? 1 : 10) * (al_random_real(&random) - 0.5);
         }
-        check_chord(rays, &line, ray_along(from[0], from[1], from[2], to[0] - from[0], to[1] - from[1], to[2] - from[2]),
+        check_chord(rays, &line,
+                    ray_along(from[0], from[1], from[2], to[0] - from[0], to[1] - from[1], to[2] - from[2]),
                     &wrong);
     }
     CHECK(wrong == 0);
@@ -398,8 +425,9 @@ static void test_environment(void)
     CHECK(radiance[0] == pixels[(0 * WIDTH + 4) * 3]);
     al_environment_density(&sampler, (double[]){-0.001, -0.99995, 0.01}, radiance);
     CHECK(radiance[0] == pixels[(4 * WIDTH + 0) * 3]);
-    /* The mean of radiance over density is the integral of radiance; that of 1 over density at most the sphere, less
-     * the black pixels. Both estimates: standard deviation below 2 times the mean, so 1 % is over two of them. */
+    /* The mean of radiance over density is the integral of radiance; that of 1 over density at most the
+     * sphere, less the black pixels. Both estimates: standard deviation below 2 times the mean, so 1 % is
+     * over two of them. */
     al_random random = al_random_for(3, 3);
     for (int i = 0; i < COUNT; i++) {
         double u[2] = {al_random_real(&random), al_random_real(&random)}, direction[3];

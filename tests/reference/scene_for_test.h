@@ -4,6 +4,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include "mode.h"
 #include "sampling.h"
@@ -22,14 +23,16 @@ static inline void close_scene(test_scene *scene)
     *scene = (test_scene){0};
 }
 
-/* `json` is the scene file. Ends the test program when it cannot be opened. */
+/* `json` is the scene file with ' for ". Ends the test program when it cannot be opened. */
 static inline test_scene open_scene(const char *json)
 {
-    const char *path = "scatter_test.json";
+    char path[64];
+    snprintf(path, sizeof path, "scene_of_test_%ld.json", (long)getpid());
     test_scene scene = {0};
     al_error error = {0};
     FILE *file = fopen(path, "w");
-    if (!file || fputs(json, file) < 0 || fclose(file)) {
+    for (const char *c = json; file && *c; c++) fputc(*c == '\'' ? '"' : *c, file);
+    if (!file || fclose(file)) {
         perror(path);
         exit(1);
     }
@@ -38,6 +41,7 @@ static inline test_scene open_scene(const char *json)
         fprintf(stderr, "%s\n", error.message);
         exit(1);
     }
+    remove(path);
     scene.scratch = al_mode_single_scatter.scratch_new();
     return scene;
 }
@@ -49,7 +53,8 @@ static inline al_ray ray_along(double x, double y, double z, double dx, double d
 }
 
 /* Mean of 16 independent batches of `count` stratified samples, and its standard error, of one channel. */
-static inline double estimate(const test_scene *scene, const al_ray *ray, uint32_t count, int channel, double *error)
+static inline double estimate(const test_scene *scene, const al_ray *ray, uint32_t count, int channel,
+                              double *error)
 {
     enum { BATCHES = 16 };
     uint32_t dimensions = al_mode_single_scatter.dimensions(scene->state);
@@ -60,8 +65,8 @@ static inline double estimate(const test_scene *scene, const al_ray *ray, uint32
         means[b] = 0;
         for (uint32_t i = 0; i < count; i++) {
             double radiance[3];
-            if (!al_mode_single_scatter.radiance(scene->state, scene->scratch, ray, points + (size_t)i * dimensions,
-                                                 radiance))
+            if (!al_mode_single_scatter.radiance(scene->state, scene->scratch, ray,
+                                                 points + (size_t)i * dimensions, radiance))
                 exit(1);
             means[b] += radiance[channel] / count;
         }

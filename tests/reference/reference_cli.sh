@@ -1,0 +1,63 @@
+#!/bin/sh
+# airlight-reference as a product. Usage: reference_cli.sh PROGRAM
+set -u
+program=$1
+failed=0
+folder=reference_cli
+rm -rf $folder && mkdir $folder && cd $folder || exit 1
+
+# expect CODE WORDS ARGUMENTS...: the exit code, and a string that the message must hold
+expect() {
+    code=$1 text=$2
+    shift 2
+    answer=$("$program" "$@" 2>&1)
+    got=$?
+    [ $got -eq "$code" ] || { echo "exit code $got, expected $code: $*"; failed=1; }
+    case $answer in
+    *"$text"*) ;;
+    *) echo "'$text' is not in: $answer"; failed=1 ;;
+    esac
+}
+check() { "$@" || { echo "failed: $*"; failed=1; }; }
+
+cat > scene.json <<END
+{"meshes": [{"name": "ball", "shape": {"type": "sphere", "subdivisions": 3}}],
+ "media": [{"name": "milk", "sigma_s_per_m": 4}],
+ "translucents": [{"name": "object", "mesh": "ball", "medium": "milk"}],
+ "lights": [{"type": "directional", "direction": [0, -1, -1], "irradiance_w_m2": 1}],
+ "cameras": [{"name": "front", "position_m": [0, 0, 3], "target_m": [0, 0, 0]}]}
+END
+single="--mode single-scatter"
+
+expect 0 'single-scatter' --help
+expect 2 '--mode is missing: one of single-scatter' scene.json -o a.exr
+expect 2 "'volume-path' is not a mode" scene.json --mode volume-path -o a.exr
+expect 2 '-o is missing' scene.json $single
+expect 2 'ends in .exr' scene.json $single -o a.png
+expect 2 'ends in .exr' scene.json $single -o .exr
+expect 2 '--spp' scene.json $single -o a.exr --spp 1
+expect 2 '"front"' scene.json $single -o a.exr --camera back
+expect 3 'none.json' none.json $single -o a.exr
+expect 4 'no/such/folder/a.exr' scene.json $single -o no/such/folder/a.exr
+check [ "$(ls)" = scene.json ]
+
+expect 0 '' scene.json $single -o a.exr --size 20x10 --spp 4 --threads 1
+expect 0 '' scene.json $single -o b.exr --size 20x10 --spp 4 --threads 3 --camera front
+check [ "$(ls | tr '\n' ' ')" = 'a.error.exr a.exr b.error.exr b.exr scene.json ' ]
+check cmp a.exr b.exr
+check cmp a.error.exr b.error.exr
+
+# Stopped: exit code 130, the old picture stays, nothing else is left.
+for signal in INT TERM; do
+    "$program" scene.json $single -o b.exr --size 512x512 --spp 100000 --quiet 2> message &
+    sleep 1
+    kill -$signal $!
+    wait $!
+    got=$?
+    [ $got -eq 130 ] || { echo "exit code $got after SIG$signal, expected 130"; failed=1; }
+    check grep -q cancelled message
+    rm message
+    check cmp a.exr b.exr
+done
+check [ "$(ls | tr '\n' ' ')" = 'a.error.exr a.exr b.error.exr b.exr scene.json ' ]
+exit $failed
