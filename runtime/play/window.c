@@ -36,6 +36,7 @@ typedef struct player {
     int camera, applied_camera; /* what the panel shows, and what the eye was last set to */
     char folder[4096], message[AL_ERROR_SIZE];
     bool panel_ready, panel_hidden, help;
+    bool screenshot; /* of the next frame, which shows all that happened before the key */
     double mouse[2], last_s, frame_ms;
     al_pass_time times[TIMES_LIMIT];
     uint32_t time_count;
@@ -143,7 +144,7 @@ static void on_key(GLFWwindow *window, int key, int code, int action, int mods)
     case GLFW_KEY_ESCAPE: glfwSetWindowShouldClose(window, GLFW_TRUE); break;
     case GLFW_KEY_TAB: p->panel_hidden = !p->panel_hidden; break;
     case GLFW_KEY_H: p->help = !p->help; break;
-    case GLFW_KEY_P: take_screenshot(p); break;
+    case GLFW_KEY_P: p->screenshot = true; break;
     case GLFW_KEY_EQUAL:
     case GLFW_KEY_KP_ADD: p->exposure_ev += 0.25f; break;
     case GLFW_KEY_MINUS:
@@ -236,6 +237,8 @@ static al_status frame(player *p, al_error *error)
     if (!status && al_runtime_scene(p->runtime)) status = draw_scene(p, error);
     else if (!status) glBindFramebuffer(GL_FRAMEBUFFER, 0), glClear(GL_COLOR_BUFFER_BIT);
     if (status) return status;
+    if (p->screenshot && al_runtime_scene(p->runtime)) take_screenshot(p);
+    p->screenshot = false;
     draw_panel(p);
     glfwSwapBuffers(p->window);
     glfwPollEvents();
