@@ -81,11 +81,16 @@ static const char *skip_value(const char *at)
     do {
         at = skip_space(at);
         if (!*at) return at;
-        if (*at == '"') at = skip_string(at);
-        else if (strchr("{[", *at)) depth++, at++;
-        else if (strchr("}]", *at)) depth--, at++;
-        else if (strchr(",:", *at)) at++;
-        else at += strcspn(at, ",:]}{[\" \t\r\n");
+        if (*at == '"')
+            at = skip_string(at);
+        else if (strchr("{[", *at))
+            depth++, at++;
+        else if (strchr("}]", *at))
+            depth--, at++;
+        else if (strchr(",:", *at))
+            at++;
+        else
+            at += strcspn(at, ",:]}{[\" \t\r\n");
     } while (depth > 0);
     return at;
 }
@@ -113,8 +118,10 @@ static int line_of(const source *from, const char *at)
     size_t offset = (size_t)(at - from->text), low = 0, high = from->line_count;
     while (high - low > 1) {
         size_t middle = low + (high - low) / 2;
-        if (from->line_starts[middle] <= offset) low = middle;
-        else high = middle;
+        if (from->line_starts[middle] <= offset)
+            low = middle;
+        else
+            high = middle;
     }
     return (int)low + 1;
 }
@@ -123,8 +130,10 @@ static void append_path(const node *place, char path[PATH_LIMIT])
 {
     if (place->parent) append_path(place->parent, path);
     size_t used = strlen(path);
-    if (place->key) snprintf(path + used, PATH_LIMIT - used, used ? ".%s" : "%s", place->key);
-    else if (place->parent) snprintf(path + used, PATH_LIMIT - used, "[%zu]", place->index);
+    if (place->key)
+        snprintf(path + used, PATH_LIMIT - used, used ? ".%s" : "%s", place->key);
+    else if (place->parent)
+        snprintf(path + used, PATH_LIMIT - used, "[%zu]", place->index);
 }
 
 /* FILE:LINE: key path: sentence */
@@ -188,7 +197,8 @@ typedef struct absorption_fields {
 
 typedef struct density_fields {
     char *type, *file, *grid;
-    double scale, unit_m, bounds_min_m[3], bounds_max_m[3], axis[3], period_m, thickness_m, offset_m, low, high;
+    double scale, unit_m, bounds_min_m[3], bounds_max_m[3], axis[3], period_m, thickness_m, offset_m, low,
+        high;
     node transform;
 } density_fields;
 
@@ -204,8 +214,8 @@ typedef struct environment_fields {
 
 typedef struct shape_fields {
     char *type;
-    double radius_m, size_m[3], width_m, depth_m, major_radius_m, minor_radius_m, subdivisions, major_segments,
-        minor_segments;
+    double radius_m, size_m[3], width_m, depth_m, major_radius_m, minor_radius_m, subdivisions,
+        major_segments, minor_segments;
 } shape_fields;
 
 typedef struct bake_fields {
@@ -217,9 +227,13 @@ typedef struct play_fields {
     double exposure_ev, background[3];
 } play_fields;
 
-#define TEXT(object, key) {#object, #key, AL_SCENE_STRING, false, 0, 0, "", offsetof(object##_fields, key)}
-#define NAME(object, key) {#object, #key, AL_SCENE_STRING, true, 0, 0, "", offsetof(object##_fields, key)}
-#define FLAG(object, key) {#object, #key, AL_SCENE_BOOL, false, 0, 0, "", offsetof(object##_fields, key)}
+/* clang-format off */
+#define TEXT(object, key) \
+    {#object, #key, AL_SCENE_STRING, false, 0, 0, "", offsetof(object##_fields, key)}
+#define NAME(object, key) \
+    {#object, #key, AL_SCENE_STRING, true, 0, 0, "", offsetof(object##_fields, key)}
+#define FLAG(object, key) \
+    {#object, #key, AL_SCENE_BOOL, false, 0, 0, "", offsetof(object##_fields, key)}
 #define NUMBER(object, key, low, high) \
     {#object, #key, AL_SCENE_NUMBER, false, low, high, "", offsetof(object##_fields, key)}
 #define INTEGER(object, key, low, high) \
@@ -230,8 +244,11 @@ typedef struct play_fields {
     {#object, #key, AL_SCENE_VECTOR, must, -FAR_M, FAR_M, "", offsetof(object##_fields, key)}
 #define CHOICE(object, key, must, words) \
     {#object, #key, AL_SCENE_CHOICE, must, 0, 0, words, offsetof(object##_fields, key)}
-#define OBJECT(object, key, kind) {#object, #key, AL_SCENE_OBJECT, false, 0, 0, kind, offsetof(object##_fields, key)}
-#define LIST(object, key, kind) {#object, #key, AL_SCENE_LIST, false, 0, 0, kind, offsetof(object##_fields, key)}
+#define OBJECT(object, key, kind) \
+    {#object, #key, AL_SCENE_OBJECT, false, 0, 0, kind, offsetof(object##_fields, key)}
+#define LIST(object, key, kind) \
+    {#object, #key, AL_SCENE_LIST, false, 0, 0, kind, offsetof(object##_fields, key)}
+/* clang-format on */
 
 #define FAR_M 1e9   /* coordinates and lengths */
 #define BRIGHT 1e12 /* radiometric values */
@@ -359,16 +376,24 @@ const al_scene_key *al_scene_keys(size_t *count)
 
 static void describe(const al_scene_key *key, char text[SENTENCE_LIMIT])
 {
-    static const char *const names[] = {
-        [AL_SCENE_STRING] = "a text", [AL_SCENE_NUMBER] = "a number", [AL_SCENE_INTEGER] = "a whole number",
-        [AL_SCENE_BOOL] = "true or false", [AL_SCENE_TRIPLE] = "a number or a list of 3 numbers",
-        [AL_SCENE_VECTOR] = "a list of 3 numbers", [AL_SCENE_MATRIX] = "a list of 16 numbers",
-        [AL_SCENE_CHOICE] = "one of", [AL_SCENE_NAMES] = "a list of texts", [AL_SCENE_OBJECT] = "an object {...}",
-        [AL_SCENE_LIST] = "a list [...] of objects"};
-    if (key->type == AL_SCENE_CHOICE) snprintf(text, SENTENCE_LIMIT, "one of %s", key->words);
+    static const char *const names[] = {[AL_SCENE_STRING] = "a text",
+                                        [AL_SCENE_NUMBER] = "a number",
+                                        [AL_SCENE_INTEGER] = "a whole number",
+                                        [AL_SCENE_BOOL] = "true or false",
+                                        [AL_SCENE_TRIPLE] = "a number or a list of 3 numbers",
+                                        [AL_SCENE_VECTOR] = "a list of 3 numbers",
+                                        [AL_SCENE_MATRIX] = "a list of 16 numbers",
+                                        [AL_SCENE_CHOICE] = "one of",
+                                        [AL_SCENE_NAMES] = "a list of texts",
+                                        [AL_SCENE_OBJECT] = "an object {...}",
+                                        [AL_SCENE_LIST] = "a list [...] of objects"};
+    if (key->type == AL_SCENE_CHOICE)
+        snprintf(text, SENTENCE_LIMIT, "one of %s", key->words);
     else if (key->minimum < key->maximum)
-        snprintf(text, SENTENCE_LIMIT, "%s from %.10g to %.10g", names[key->type], key->minimum, key->maximum);
-    else snprintf(text, SENTENCE_LIMIT, "%s", names[key->type]);
+        snprintf(text, SENTENCE_LIMIT, "%s from %.10g to %.10g", names[key->type], key->minimum,
+                 key->maximum);
+    else
+        snprintf(text, SENTENCE_LIMIT, "%s", names[key->type]);
 }
 
 static al_status wrong_value(const node *place, const al_scene_key *key, al_error *error)
@@ -450,17 +475,29 @@ static al_status read_value(const node *place, const al_scene_key *key, void *fi
     bool good = false;
     switch (key->type) {
     case AL_SCENE_STRING:
-    case AL_SCENE_CHOICE: good = read_text(place, key, out); break;
+    case AL_SCENE_CHOICE:
+        good = read_text(place, key, out);
+        break;
     case AL_SCENE_NUMBER:
-    case AL_SCENE_INTEGER: good = number_in_range(place->value, key, out); break;
+    case AL_SCENE_INTEGER:
+        good = number_in_range(place->value, key, out);
+        break;
     case AL_SCENE_BOOL:
         good = json_is_boolean(place->value);
         *(bool *)out = json_is_true(place->value);
         break;
-    case AL_SCENE_TRIPLE: good = read_triple(place, key, out); break;
-    case AL_SCENE_VECTOR: good = read_numbers(place, key, 3, out); break;
-    case AL_SCENE_MATRIX: good = read_numbers(place, key, 16, out); break;
-    case AL_SCENE_NAMES: good = read_names(place, out); break;
+    case AL_SCENE_TRIPLE:
+        good = read_triple(place, key, out);
+        break;
+    case AL_SCENE_VECTOR:
+        good = read_numbers(place, key, 3, out);
+        break;
+    case AL_SCENE_MATRIX:
+        good = read_numbers(place, key, 16, out);
+        break;
+    case AL_SCENE_NAMES:
+        good = read_names(place, out);
+        break;
     case AL_SCENE_OBJECT:
         good = json_is_object(place->value);
         *(node *)out = *place;
@@ -503,7 +540,7 @@ static al_status read_object(const node *place, const char *object, void *fields
     const char *at = first_inside(place->at);
     for (void *entry = json_object_iter(place->value); entry;
          entry = json_object_iter_next(place->value, entry)) {
-        node child = {place->from, place, json_object_iter_key(entry), 0, json_object_iter_value(entry),
+        node child = {place->from,  place, json_object_iter_key(entry), 0, json_object_iter_value(entry),
                       after_key(at)};
         at = after_value(child.at);
         const al_scene_key *key = find_key(object, child.key);
@@ -516,7 +553,8 @@ static al_status read_object(const node *place, const char *object, void *fields
     return AL_OK;
 }
 
-/* Refuses keys of `place` that are not in `allowed` ("|type|file|"), for objects whose keys depend on a choice. */
+/* Refuses keys of `place` that are not in `allowed` ("|type|file|"), for objects whose keys depend on a
+ * choice. */
 static al_status allow_only(const node *place, const char *allowed, const char *choice, al_error *error)
 {
     for (void *entry = json_object_iter(place->value); entry;
@@ -621,8 +659,9 @@ static al_status read_transform(const node *place, double m[16], al_error *error
         status = allow_only(place, "matrix", "matrix", error);
         memcpy(m, fields.matrix, sizeof fields.matrix);
         if (!status && (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1))
-            status = fail_at(place, error, "matrix is projective or not column-major; elements 4, 8, 12 must "
-                                           "be 0 and element 16 must be 1");
+            status = fail_at(place, error,
+                             "matrix is projective or not column-major; elements 4, 8, 12 must "
+                             "be 0 and element 16 must be 1");
     } else if (!status) {
         compose(&fields, m);
     }
@@ -633,18 +672,20 @@ static al_status read_transform(const node *place, double m[16], al_error *error
 
 /* --- the parts of a scene --- */
 
-static bool is_sphere(const char *type)
-{
-    return strcmp(type, "sphere") == 0;
-}
-
 static al_status read_shape(const node *place, al_shape_description *out, al_error *error)
 {
-    shape_fields f = {.radius_m = 0.5, .size_m = {1, 1, 1}, .width_m = 1, .depth_m = 1, .subdivisions = 5,
-                      .major_radius_m = 0.35, .minor_radius_m = 0.15, .major_segments = 96, .minor_segments = 48};
+    shape_fields f = {.radius_m = 0.5,
+                      .size_m = {1, 1, 1},
+                      .width_m = 1,
+                      .depth_m = 1,
+                      .subdivisions = 5,
+                      .major_radius_m = 0.35,
+                      .minor_radius_m = 0.15,
+                      .major_segments = 96,
+                      .minor_segments = 48};
     al_status status = read_object(place, "shape", &f, error);
     if (status) return status;
-    if (is_sphere(f.type)) {
+    if (strcmp(f.type, "sphere") == 0) {
         out->type = AL_SHAPE_SPHERE;
         status = allow_only(place, "type|radius_m|subdivisions", f.type, error);
     } else if (strcmp(f.type, "box") == 0) {
@@ -658,8 +699,10 @@ static al_status read_shape(const node *place, al_shape_description *out, al_err
         status = allow_only(place, "type|major_radius_m|minor_radius_m|major_segments|minor_segments", f.type,
                             error);
         if (!status && f.minor_radius_m >= f.major_radius_m)
-            status = fail_at(place, error, "minor_radius_m %g is not below major_radius_m %g; the torus would "
-                                           "run into itself", f.minor_radius_m, f.major_radius_m);
+            status = fail_at(place, error,
+                             "minor_radius_m %g is not below major_radius_m %g; the torus would "
+                             "run into itself",
+                             f.minor_radius_m, f.major_radius_m);
     }
     out->radius_m = f.radius_m;
     memcpy(out->size_m, f.size_m, sizeof f.size_m);
@@ -673,7 +716,8 @@ static al_status read_shape(const node *place, al_shape_description *out, al_err
     return status;
 }
 
-static al_status read_mesh(const node *place, al_scene_description *out, al_mesh_description *mesh, al_error *error)
+static al_status read_mesh(const node *place, al_scene_description *out, al_mesh_description *mesh,
+                           al_error *error)
 {
     mesh_fields f = {.unit_m = out->unit_m, .import_lights = true, .import_cameras = true};
     al_status status = read_object(place, "mesh", &f, error);
@@ -696,11 +740,13 @@ static al_status read_mesh(const node *place, al_scene_description *out, al_mesh
     mesh->hidden = f.hidden;
     mesh->import_lights = f.import_lights && f.file;
     mesh->import_cameras = f.import_cameras && f.file;
-    if (!mesh->name || !mesh->file || !mesh->node || !mesh->material) return out_of_memory(place->from, error);
+    if (!mesh->name || !mesh->file || !mesh->node || !mesh->material)
+        return out_of_memory(place->from, error);
     return read_transform(&f.transform, mesh->transform, error);
 }
 
-static al_status read_material(const node *place, al_scene_description *out, al_material *material, al_error *error)
+static al_status read_material(const node *place, al_scene_description *out, al_material *material,
+                               al_error *error)
 {
     material_fields f = {.base_color = {0.8, 0.8, 0.8}, .roughness = 1, .ior = 1.5};
     al_status status = read_object(place, "material", &f, error);
@@ -725,8 +771,9 @@ static al_status read_light(const node *place, al_scene_description *out, al_lig
     al_status status = read_object(place, "light", &f, error);
     if (status) return status;
     bool directional = strcmp(f.type, "directional") == 0;
-    status = allow_only(place, directional ? "name|type|direction|irradiance_w_m2" :
-                                             "name|type|position_m|intensity_w_sr", f.type, error);
+    status = allow_only(
+        place, directional ? "name|type|direction|irradiance_w_m2" : "name|type|position_m|intensity_w_sr",
+        f.type, error);
     if (!status) status = need(place, directional ? "direction" : "position_m", f.type, error);
     if (!status) status = need(place, directional ? "irradiance_w_m2" : "intensity_w_sr", f.type, error);
     if (status) return status;
@@ -760,7 +807,8 @@ static al_status read_camera(const node *place, al_scene_description *out, al_ca
     return camera->name ? AL_OK : out_of_memory(place->from, error);
 }
 
-static al_status read_bounds(const node *place, const density_fields *f, al_density_description *out, al_error *error)
+static al_status read_bounds(const node *place, const density_fields *f, al_density_description *out,
+                             al_error *error)
 {
     bool low = has(place, "bounds_min_m"), high = has(place, "bounds_max_m");
     if (low != high) return fail_at(place, error, "bounds_min_m and bounds_max_m go together");
@@ -774,7 +822,8 @@ static al_status read_bounds(const node *place, const density_fields *f, al_dens
     return AL_OK;
 }
 
-static al_status read_layers(const node *place, density_fields *f, al_density_description *out, al_error *error)
+static al_status read_layers(const node *place, density_fields *f, al_density_description *out,
+                             al_error *error)
 {
     al_status status = need(place, "period_m", f->type, error);
     if (!status) status = need(place, "thickness_m", f->type, error);
@@ -782,7 +831,8 @@ static al_status read_layers(const node *place, density_fields *f, al_density_de
     if (!normalise(f->axis)) return fail_at(place, error, "axis has no length; [0, 1, 0] is usual");
     if (f->thickness_m > f->period_m)
         return fail_at(place, error, "thickness_m %g exceeds period_m %g", f->thickness_m, f->period_m);
-    if (f->low == 0 && f->high == 0) return fail_at(place, error, "low and high are both 0: there is no medium");
+    if (f->low == 0 && f->high == 0)
+        return fail_at(place, error, "low and high are both 0: there is no medium");
     memcpy(out->axis, f->axis, sizeof f->axis);
     out->period_m = f->period_m;
     out->thickness_m = f->thickness_m;
@@ -792,7 +842,8 @@ static al_status read_layers(const node *place, density_fields *f, al_density_de
     return AL_OK;
 }
 
-static al_status read_grid(const node *place, const density_fields *f, al_density_description *out, al_error *error)
+static al_status read_grid(const node *place, const density_fields *f, al_density_description *out,
+                           al_error *error)
 {
     al_status status = need(place, "file", f->type, error);
     if (!status) status = read_transform(&f->transform, out->grid_to_world, error);
@@ -816,12 +867,14 @@ static al_status read_density(const node *place, al_scene_description *all, al_d
     out->line = line_of(place->from, place->at);
     if (strcmp(f.type, "grid") == 0) {
         out->type = AL_DENSITY_GRID;
-        status = allow_only(place, "type|scale|file|grid|unit_m|transform|bounds_min_m|bounds_max_m", f.type, error);
+        status = allow_only(place, "type|scale|file|grid|unit_m|transform|bounds_min_m|bounds_max_m", f.type,
+                            error);
         if (!status) status = read_grid(place, &f, out, error);
     } else if (strcmp(f.type, "layers") == 0) {
         out->type = AL_DENSITY_LAYERS;
-        status = allow_only(place, "type|scale|axis|period_m|thickness_m|offset_m|low|high|bounds_min_m|bounds_max_m",
-                            f.type, error);
+        status = allow_only(
+            place, "type|scale|axis|period_m|thickness_m|offset_m|low|high|bounds_min_m|bounds_max_m", f.type,
+            error);
         if (!status) status = read_layers(place, &f, out, error);
     } else {
         status = allow_only(place, "type|scale|bounds_min_m|bounds_max_m", f.type, error);
@@ -837,7 +890,8 @@ static al_status read_coefficients(const node *place, const medium_fields *f, al
     bool sigmas = has(place, "sigma_s_per_m") || has(place, "sigma_a_per_m") || has(place, "absorption_from");
     bool artists = has(place, "albedo") || has(place, "mean_free_path_m");
     if (sigmas == artists)
-        return fail_at(place, error, "%s; give either sigma_s_per_m and sigma_a_per_m, or albedo and mean_free_path_m",
+        return fail_at(place, error,
+                       "%s; give either sigma_s_per_m and sigma_a_per_m, or albedo and mean_free_path_m",
                        sigmas ? "is described twice" : "has no coefficients");
     if (artists && !(has(place, "albedo") && has(place, "mean_free_path_m")))
         return fail_at(place, error, "albedo and mean_free_path_m go together");
@@ -846,7 +900,8 @@ static al_status read_coefficients(const node *place, const medium_fields *f, al
     double sum = 0;
     for (int i = 0; i < 3; i++) {
         medium->sigma_s_per_m[i] = artists ? f->albedo[i] / f->mean_free_path_m[i] : f->sigma_s_per_m[i];
-        medium->sigma_a_per_m[i] = artists ? (1 - f->albedo[i]) / f->mean_free_path_m[i] : f->sigma_a_per_m[i];
+        medium->sigma_a_per_m[i] =
+            artists ? (1 - f->albedo[i]) / f->mean_free_path_m[i] : f->sigma_a_per_m[i];
         sum += medium->sigma_s_per_m[i] + medium->sigma_a_per_m[i];
     }
     if (sum == 0 && !has(place, "absorption_from"))
@@ -875,8 +930,8 @@ static al_status read_medium(const node *place, al_scene_description *out, al_me
     return read_density(&f.density, out, &medium->density, error);
 }
 
-static al_status read_translucent(const node *place, al_scene_description *out, al_translucent_description *object,
-                                  al_error *error)
+static al_status read_translucent(const node *place, al_scene_description *out,
+                                  al_translucent_description *object, al_error *error)
 {
     translucent_fields f = {0};
     al_status status = read_object(place, "translucent", &f, error);
@@ -923,13 +978,19 @@ al_bake_settings al_bake_settings_for(al_quality quality)
 
 static al_status read_bake(const node *place, al_bake_settings *bake, al_error *error)
 {
-    bake_fields f = {bake->directions, bake->grid_resolution, bake->samples, bake->radius_m, bake->sh_order,
-                     bake->seed, NULL};
+    bake_fields f = {bake->directions,
+                     bake->grid_resolution,
+                     bake->samples,
+                     bake->radius_m,
+                     bake->sh_order,
+                     bake->seed,
+                     NULL};
     if (!place->value) return AL_OK;
     al_status status = read_object(place, "bake", &f, error);
     if (status) return status;
     if (has(place, "samples") && has(place, "radius_m"))
-        return fail_at(place, error, "samples and radius_m exclude each other: the count follows from the radius");
+        return fail_at(place, error,
+                       "samples and radius_m exclude each other: the count follows from the radius");
     if (fmod(f.directions, 2) != 0)
         return fail_at(place, error, "directions is %g; an even number is right", f.directions);
     bake->directions = (uint32_t)f.directions;
@@ -939,8 +1000,9 @@ static al_status read_bake(const node *place, al_bake_settings *bake, al_error *
     bake->sh_order = (uint32_t)f.sh_order;
     bake->seed = (uint32_t)f.seed;
     if (f.coefficient_format)
-        bake->coefficient_format = *f.coefficient_format == 'f' ? AL_COEFFICIENT_FLOAT :
-                                   *f.coefficient_format == 'h' ? AL_COEFFICIENT_HALF : AL_COEFFICIENT_BYTE;
+        bake->coefficient_format = *f.coefficient_format == 'f'   ? AL_COEFFICIENT_FLOAT
+                                   : *f.coefficient_format == 'h' ? AL_COEFFICIENT_HALF
+                                                                  : AL_COEFFICIENT_BYTE;
     return AL_OK;
 }
 
@@ -979,8 +1041,8 @@ static al_status refuse_same_names(const node *list, const void *elements, size_
         const char *name = *(char *const *)((const char *)elements + element.index * size);
         for (size_t other = 0; other < element.index; other++)
             if (strcmp(name, *(char *const *)((const char *)elements + other * size)) == 0)
-                return fail_at(&element, error, "the name \"%s\" is taken by element %zu; names must differ", name,
-                               other);
+                return fail_at(&element, error, "the name \"%s\" is taken by element %zu; names must differ",
+                               name, other);
     }
     return AL_OK;
 }
@@ -1025,14 +1087,16 @@ static bool has_material(const al_scene_description *out, const char *name)
 }
 
 /* A mesh is the boundary or a blocker of one object only: its triangles live in that object's space. */
-static al_status take_mesh(const node *place, const al_scene_description *out, const char *name, uint32_t *uses,
-                           al_error *error)
+static al_status take_mesh(const node *place, const al_scene_description *out, const char *name,
+                           uint32_t *uses, al_error *error)
 {
     const al_mesh_description *mesh = find_mesh(out, name);
     if (!mesh) return fail_at(place, error, "no mesh is named \"%s\"; name one of \"meshes\"", name);
     if (uses[mesh - out->meshes]++)
-        return fail_at(place, error, "mesh \"%s\" is already a boundary or blocker; give a second mesh with the same "
-                                     "file", name);
+        return fail_at(place, error,
+                       "mesh \"%s\" is already a boundary or blocker; give a second mesh with the same "
+                       "file",
+                       name);
     return AL_OK;
 }
 
@@ -1047,7 +1111,8 @@ static al_status check_translucents(const node *list, al_scene_description *out,
         for (uint32_t i = 0; i < object->blocker_count && !status; i++)
             status = take_mesh(&place, out, object->blockers[i], uses, error);
         if (!status && !has_medium(out, object->medium))
-            status = fail_at(&place, error, "no medium is named \"%s\"; name one of \"media\"", object->medium);
+            status =
+                fail_at(&place, error, "no medium is named \"%s\"; name one of \"media\"", object->medium);
         if (status) return status;
     }
     return AL_OK;
@@ -1079,8 +1144,8 @@ static al_status read_scene(const node *root, al_scene_description *out, al_erro
     out->unit_m = f.unit_m;
 #define READ_LIST(list, kind, elements, count) \
     if (!status) \
-        status = read_list(&f.list, out, sizeof *out->elements, read_##kind##_element, &out->elements, &out->count, \
-                           error)
+    status = read_list(&f.list, out, sizeof *out->elements, read_##kind##_element, &out->elements, \
+                       &out->count, error)
     READ_LIST(materials, material, materials, material_count);
     READ_LIST(meshes, mesh, meshes, mesh_count);
     READ_LIST(lights, light, lights, light_count);
@@ -1089,7 +1154,8 @@ static al_status read_scene(const node *root, al_scene_description *out, al_erro
     READ_LIST(translucents, translucent, translucents, translucent_count);
 #undef READ_LIST
     if (!status && out->light_count > LIGHT_LIMIT)
-        status = fail_at(&f.lights, error, "there are %u lights; at most %d are right", out->light_count, LIGHT_LIMIT);
+        status = fail_at(&f.lights, error, "there are %u lights; at most %d are right", out->light_count,
+                         LIGHT_LIMIT);
     if (!status) status = read_environment(&f.environment, out, error);
     if (!status) status = read_bake(&f.bake, &out->bake, error);
     if (!status) status = read_play(&f.play, &out->play, error);
@@ -1114,9 +1180,11 @@ static al_status read_text_file(const char *path, char **text, al_error *error)
         bytes = grown;
         used += fread(bytes + used, 1, room - 1 - used, file);
     } while (used + 1 == room && used <= TEXT_LIMIT);
-    if (ferror(file)) status = al_fail_errno(error, path, "read the scene");
+    if (ferror(file))
+        status = al_fail_errno(error, path, "read the scene");
     else if (used > TEXT_LIMIT)
-        status = al_fail(error, AL_BAD_INPUT, "%s: larger than %d MiB; this is no scene file", path, TEXT_LIMIT >> 20);
+        status = al_fail(error, AL_BAD_INPUT, "%s: larger than %d MiB; this is no scene file", path,
+                         TEXT_LIMIT >> 20);
     bytes[used] = 0;
 cleanup:
     fclose(file);
@@ -1147,7 +1215,8 @@ static al_status parse_json(const source *from, json_t **root, al_error *error)
     return al_fail(error, AL_BAD_INPUT, "%s:%d: not valid JSON: %s", from->path, where.line, where.text);
 }
 
-static al_status start_description(const char *path, al_quality quality, al_scene_description **out, al_error *error)
+static al_status start_description(const char *path, al_quality quality, al_scene_description **out,
+                                   al_error *error)
 {
     *out = calloc(1, sizeof **out);
     if (!*out) return al_fail(error, AL_IO, "%s: out of memory while reading the scene", path);
@@ -1177,8 +1246,10 @@ al_status al_scene_description_read(const char *path, al_quality quality, al_sce
     json_decref(root);
     free(from.line_starts);
     free(from.text);
-    if (status) al_scene_description_free(from.out);
-    else *description = from.out;
+    if (status)
+        al_scene_description_free(from.out);
+    else
+        *description = from.out;
     return status;
 }
 

@@ -37,7 +37,8 @@ static void count_edge(edge_census *census, const half_edge *edges, uint32_t cou
 {
     if (count == 1 && !census->open++) census->first_open = edges[0];
     if (count > 2 && !census->many++) census->first_many = edges[0];
-    if (count == 2 && edges[0].forward == edges[1].forward && !census->twisted++) census->first_twisted = edges[0];
+    if (count == 2 && edges[0].forward == edges[1].forward && !census->twisted++)
+        census->first_twisted = edges[0];
 }
 
 static al_status census_edges(const al_triangles *triangles, edge_census *census, al_error *error)
@@ -51,7 +52,8 @@ static al_status census_edges(const al_triangles *triangles, edge_census *census
     }
     qsort(edges, count, sizeof *edges, compare_edges);
     for (uint32_t first = 0, end; first < count; first = end) {
-        for (end = first + 1; end < count && edges[end].low == edges[first].low && edges[end].high == edges[first].high;)
+        for (end = first + 1;
+             end < count && edges[end].low == edges[first].low && edges[end].high == edges[first].high;)
             end++;
         count_edge(census, edges + first, end - first);
     }
@@ -69,8 +71,10 @@ static double signed_volume(const al_triangles *triangles)
         double e[3][3];
         for (int k = 0; k < 3; k++)
             for (int i = 0; i < 3; i++)
-                e[k][i] = triangles->positions[triangles->indices[t * (size_t)3 + k] * (size_t)3 + i] - origin[i];
-        sum += e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) + e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
+                e[k][i] =
+                    triangles->positions[triangles->indices[t * (size_t)3 + k] * (size_t)3 + i] - origin[i];
+        sum += e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
+               e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
                e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
     }
     return sum / 6;
@@ -81,12 +85,14 @@ double al_triangles_volume(const al_triangles *triangles)
     return triangles->triangle_count ? signed_volume(triangles) : 0;
 }
 
-static al_status refuse_edge(const char *name, const al_triangles *triangles, const half_edge *edge, uint32_t count,
-                             const char *what, const char *right, al_error *error)
+static al_status refuse_edge(const char *name, const al_triangles *triangles, const half_edge *edge,
+                             uint32_t count, const char *what, const char *right, al_error *error)
 {
-    const double *a = triangles->positions + edge->low * (size_t)3, *b = triangles->positions + edge->high * (size_t)3;
-    return al_fail(error, AL_BAD_INPUT, "%s: %u %s, the first between (%.7g, %.7g, %.7g) and (%.7g, %.7g, %.7g); %s",
-                   name, count, what, a[0], a[1], a[2], b[0], b[1], b[2], right);
+    const double *a = triangles->positions + edge->low * (size_t)3,
+                 *b = triangles->positions + edge->high * (size_t)3;
+    return al_fail(error, AL_BAD_INPUT,
+                   "%s: %u %s, the first between (%.7g, %.7g, %.7g) and (%.7g, %.7g, %.7g); %s", name, count,
+                   what, a[0], a[1], a[2], b[0], b[1], b[2], right);
 }
 
 al_status al_triangles_check(const char *name, const al_triangles *triangles, al_error *error)
@@ -95,29 +101,32 @@ al_status al_triangles_check(const char *name, const al_triangles *triangles, al
         return al_fail(error, AL_BAD_INPUT, "%s: has no triangles; a closed surface is right", name);
     for (uint32_t i = 0; i < triangles->vertex_count * 3; i++)
         if (!isfinite(triangles->positions[i]))
-            return al_fail(error, AL_BAD_INPUT, "%s: vertex %u has the coordinate %f; finite numbers are right", name,
-                           i / 3, triangles->positions[i]);
+            return al_fail(error, AL_BAD_INPUT,
+                           "%s: vertex %u has the coordinate %f; finite numbers are right", name, i / 3,
+                           triangles->positions[i]);
     edge_census census = {0};
     al_status status = census_edges(triangles, &census, error);
     if (status) return status;
     if (census.open)
         return refuse_edge(name, triangles, &census.first_open, census.open,
-                           census.open == 1 ? "open edge" : "open edges", "a closed (watertight) surface is right",
-                           error);
+                           census.open == 1 ? "open edge" : "open edges",
+                           "a closed (watertight) surface is right", error);
     if (census.many)
         return refuse_edge(name, triangles, &census.first_many, census.many,
-                           census.many == 1 ? "edge with more than two triangles" :
-                                              "edges with more than two triangles",
+                           census.many == 1 ? "edge with more than two triangles"
+                                            : "edges with more than two triangles",
                            "two triangles at every edge are right", error);
     if (census.twisted)
         return refuse_edge(name, triangles, &census.first_twisted, census.twisted,
-                           census.twisted == 1 ? "edge whose two triangles face opposite sides" :
-                                                 "edges whose two triangles face opposite sides",
+                           census.twisted == 1 ? "edge whose two triangles face opposite sides"
+                                               : "edges whose two triangles face opposite sides",
                            "triangles counter-clockwise seen from outside are right", error);
     double volume = signed_volume(triangles);
     if (!(volume > 0))
-        return al_fail(error, AL_BAD_INPUT, "%s: encloses %.4g m3: it is inside out or flat; triangles "
-                                            "counter-clockwise seen from outside are right", name, volume);
+        return al_fail(error, AL_BAD_INPUT,
+                       "%s: encloses %.4g m3: it is inside out or flat; triangles "
+                       "counter-clockwise seen from outside are right",
+                       name, volume);
     return AL_OK;
 }
 
@@ -148,7 +157,8 @@ static al_status weld_triangles(al_triangles *triangles, al_error *error)
     for (size_t i = 0; i < count * (size_t)3; i++) triangles->positions[i] += 0.0;
     al_status status = al_weld(triangles->positions, 3 * sizeof(double), count, map, &distinct, error);
     for (uint32_t i = 0; i < count && !status; i++)
-        memmove(triangles->positions + map[i] * (size_t)3, triangles->positions + i * (size_t)3, 3 * sizeof(double));
+        memmove(triangles->positions + map[i] * (size_t)3, triangles->positions + i * (size_t)3,
+                3 * sizeof(double));
     for (uint32_t i = 0; i < triangles->triangle_count * 3 && !status; i++)
         triangles->indices[i] = map[triangles->indices[i]];
     triangles->vertex_count = status ? 0 : distinct;
@@ -168,7 +178,8 @@ static void append_mesh(const al_mesh *mesh, al_triangles *out)
 }
 
 /* A blocker's vertices are in its boundary's object space already: import.c. */
-static al_status collect(const al_scene *scene, uint32_t role, uint32_t translucent, al_triangles *out, al_error *error)
+static al_status collect(const al_scene *scene, uint32_t role, uint32_t translucent, al_triangles *out,
+                         al_error *error)
 {
     size_t vertex_count = 0, index_count = 0;
     *out = (al_triangles){0};
@@ -194,12 +205,14 @@ static al_status collect(const al_scene *scene, uint32_t role, uint32_t transluc
     return status;
 }
 
-al_status al_import_boundary(const al_import *import, uint32_t translucent, al_triangles *boundary, al_error *error)
+al_status al_import_boundary(const al_import *import, uint32_t translucent, al_triangles *boundary,
+                             al_error *error)
 {
     return collect(&import->scene, AL_ROLE_TRANSLUCENT, translucent, boundary, error);
 }
 
-al_status al_import_blockers(const al_import *import, uint32_t translucent, al_triangles *blockers, al_error *error)
+al_status al_import_blockers(const al_import *import, uint32_t translucent, al_triangles *blockers,
+                             al_error *error)
 {
     return collect(&import->scene, AL_ROLE_BLOCKER, translucent, blockers, error);
 }

@@ -12,7 +12,7 @@ static const uint64_t grid_size_limit = 1u << 30; /* bytes of one dense grid */
 struct al_density {
     al_density_description from; /* its strings belong to the description and are not used here */
     al_vdb_grid grid;
-    double world_to_index[16]; /* index space: voxel centres at whole numbers */
+    double world_to_index[16];          /* index space: voxel centres at whole numbers */
     double low_index[3], high_index[3]; /* the active box, whole voxels */
     double maximum, detail_m;
 };
@@ -25,14 +25,16 @@ static double largest(double a, double b)
     return a > b ? a : b;
 }
 
-static al_status open_grid(const al_scene_description *scene, const al_medium_description *medium, al_density *density,
-                           al_error *error)
+static al_status open_grid(const al_scene_description *scene, const al_medium_description *medium,
+                           al_density *density, al_error *error)
 {
     double to_world[16], edge = INFINITY;
-    al_status status = al_vdb_read(density->from.file, density->from.grid, grid_size_limit, &density->grid, error);
+    al_status status =
+        al_vdb_read(density->from.file, density->from.grid, grid_size_limit, &density->grid, error);
     if (status) return status;
     if (!(density->grid.largest > 0))
-        return al_fail(error, AL_BAD_INPUT, "%s:%d: medium \"%s\": the grid in %s is 0 everywhere: there is no medium",
+        return al_fail(error, AL_BAD_INPUT,
+                       "%s:%d: medium \"%s\": the grid in %s is 0 everywhere: there is no medium",
                        scene->path, medium->line, medium->name, density->from.file);
     al_matrix_multiply(density->from.grid_to_world, density->grid.index_to_world, to_world);
     if (!(fabs(al_matrix_determinant(to_world)) > 0))
@@ -64,20 +66,28 @@ al_status al_density_open(const al_scene_description *scene, const al_medium_des
 {
     *density = NULL;
     al_density *made = calloc(1, sizeof *made);
-    if (!made) return al_fail(error, AL_IO, "%s: out of memory for the density of \"%s\"", scene->path, medium->name);
+    if (!made)
+        return al_fail(error, AL_IO, "%s: out of memory for the density of \"%s\"", scene->path,
+                       medium->name);
     made->from = medium->density;
     al_status status = AL_OK;
-    if (made->from.type == AL_DENSITY_GRID) status = open_grid(scene, medium, made, error);
-    else if (made->from.type == AL_DENSITY_LAYERS) open_layers(made);
-    else made->maximum = made->from.scale;
+    if (made->from.type == AL_DENSITY_GRID)
+        status = open_grid(scene, medium, made, error);
+    else if (made->from.type == AL_DENSITY_LAYERS)
+        open_layers(made);
+    else
+        made->maximum = made->from.scale;
     if (!status && !(made->maximum > 0))
-        status = al_fail(error, AL_BAD_INPUT, "%s:%d: medium \"%s\" has density 0 everywhere: there is no medium",
-                         scene->path, medium->line, medium->name);
+        status =
+            al_fail(error, AL_BAD_INPUT, "%s:%d: medium \"%s\" has density 0 everywhere: there is no medium",
+                    scene->path, medium->line, medium->name);
     if (!status && !isfinite(made->maximum))
-        status = al_fail(error, AL_BAD_INPUT, "%s:%d: medium \"%s\" has a density beyond all numbers", scene->path,
-                         medium->line, medium->name);
-    if (status) al_density_free(made);
-    else *density = made;
+        status = al_fail(error, AL_BAD_INPUT, "%s:%d: medium \"%s\" has a density beyond all numbers",
+                         scene->path, medium->line, medium->name);
+    if (status)
+        al_density_free(made);
+    else
+        *density = made;
     return status;
 }
 
@@ -106,7 +116,8 @@ static double sample_grid(const al_density *density, const double index[3])
     double x00 = v[0] + share[0] * ((double)v[step[0]] - v[0]);
     double x10 = v[step[1]] + share[0] * ((double)v[step[1] + step[0]] - v[step[1]]);
     double x01 = v[step[2]] + share[0] * ((double)v[step[2] + step[0]] - v[step[2]]);
-    double x11 = v[step[2] + step[1]] + share[0] * ((double)v[step[2] + step[1] + step[0]] - v[step[2] + step[1]]);
+    double x11 =
+        v[step[2] + step[1]] + share[0] * ((double)v[step[2] + step[1] + step[0]] - v[step[2] + step[1]]);
     double y0 = x00 + share[1] * (x10 - x00), y1 = x01 + share[1] * (x11 - x01);
     return y0 + share[2] * (y1 - y0);
 }
@@ -130,7 +141,8 @@ static double layers_at(const al_density *density, const double position[3])
 {
     const al_density_description *from = &density->from;
     double along = (position[0] * from->axis[0] + position[1] * from->axis[1] + position[2] * from->axis[2] -
-                    from->offset_m) / from->period_m;
+                    from->offset_m) /
+                   from->period_m;
     double within = (along - floor(along)) * from->period_m;
     return from->scale * (within < from->thickness_m ? from->high : from->low);
 }
@@ -140,9 +152,12 @@ double al_density_at(const al_density *density, const double position[3])
     const al_density_description *from = &density->from;
     if (from->has_bounds && !is_within(position, from->bounds_min_m, from->bounds_max_m)) return 0;
     switch (from->type) {
-    case AL_DENSITY_GRID: return grid_at(density, position);
-    case AL_DENSITY_LAYERS: return layers_at(density, position);
-    case AL_DENSITY_CONSTANT: break;
+    case AL_DENSITY_GRID:
+        return grid_at(density, position);
+    case AL_DENSITY_LAYERS:
+        return layers_at(density, position);
+    case AL_DENSITY_CONSTANT:
+        break;
     }
     return from->scale;
 }

@@ -127,7 +127,8 @@ al_status al_environment_project(uint32_t width, uint32_t height, const float *p
 
 /* Turned by an angle about +y, the map shows in phi what it showed in phi + angle: columns move by a share
  * of the width, between two columns linearly (which keeps each row's sum). Scale applied. */
-static void place(const al_environment_description *from, uint32_t width, uint32_t height, const float *in, float *out)
+static void place(const al_environment_description *from, uint32_t width, uint32_t height, const float *in,
+                  float *out)
 {
     double shift = from->rotation_y_radians / (2 * AL_PI), whole;
     shift = (shift - floor(shift)) * width;
@@ -136,7 +137,8 @@ static void place(const al_environment_description *from, uint32_t width, uint32
         for (size_t column = 0; column < width; column++) {
             size_t a = (column + (size_t)whole) % width, b = (a + 1) % width;
             for (size_t c = 0; c < 3; c++) {
-                double value = (1 - share) * in[(row * width + a) * 3 + c] + share * in[(row * width + b) * 3 + c];
+                double value =
+                    (1 - share) * in[(row * width + a) * 3 + c] + share * in[(row * width + b) * 3 + c];
                 out[(row * width + column) * 3 + c] = (float)(value * from->scale);
             }
         }
@@ -144,7 +146,8 @@ static void place(const al_environment_description *from, uint32_t width, uint32
 
 /* Lossy compression leaves values a little below 0 beside bright ones: down to a hundredth of the map's mean
  * they count as 0. */
-static al_status check_pixels(const char *path, uint32_t width, uint32_t height, float *pixels, al_error *error)
+static al_status check_pixels(const char *path, uint32_t width, uint32_t height, float *pixels,
+                              al_error *error)
 {
     size_t count = (size_t)width * height * 3;
     double sum = 0;
@@ -152,33 +155,37 @@ static al_status check_pixels(const char *path, uint32_t width, uint32_t height,
     double allowed = isfinite(sum) ? sum / (double)count / 100 : 0;
     for (size_t i = 0; i < count; i++) {
         if (!(pixels[i] >= -allowed && isfinite(pixels[i])))
-            return al_fail(error, AL_BAD_INPUT, "%s: pixel (%zu, %zu), counted from the upper left, channel %c is %g; "
-                                                "finite radiance of 0 or more is right", path, i / 3 % width,
-                           i / 3 / width, "RGB"[i % 3], pixels[i]);
+            return al_fail(error, AL_BAD_INPUT,
+                           "%s: pixel (%zu, %zu), counted from the upper left, channel %c is %g; "
+                           "finite radiance of 0 or more is right",
+                           path, i / 3 % width, i / 3 / width, "RGB"[i % 3], pixels[i]);
         if (pixels[i] < 0) pixels[i] = 0;
     }
     return AL_OK;
 }
 
-static al_status read_map(al_import *import, uint32_t *width, uint32_t *height, float **pixels, al_error *error)
+static al_status read_map(al_import *import, uint32_t *width, uint32_t *height, float **pixels,
+                          al_error *error)
 {
     const char *path = import->description->environment.file, *ending = strrchr(path, '.');
     uint8_t *bytes;
     size_t size;
     bool exr = ending && strcasecmp(ending, ".exr") == 0;
     if (!exr && (!ending || strcasecmp(ending, ".hdr") != 0))
-        return al_fail(error, AL_BAD_INPUT, "%s: unknown kind of environment map; .exr or .hdr is right", path);
+        return al_fail(error, AL_BAD_INPUT, "%s: unknown kind of environment map; .exr or .hdr is right",
+                       path);
     al_status status = al_inputs_read(import, path, &bytes, &size, error);
     if (status) return status;
-    status = (exr ? al_picture_decode_exr : al_picture_decode_hdr)(path, bytes, size, width, height, pixels, error);
+    status = (exr ? al_picture_decode_exr : al_picture_decode_hdr)(path, bytes, size, width, height, pixels,
+                                                                   error);
     free(bytes);
     if (!status) status = check_pixels(path, *width, *height, *pixels, error);
     return status;
 }
 
 /* One pixel is enough for a sky that is the same everywhere. */
-static al_status constant_map(const al_environment_description *from, uint32_t *width, uint32_t *height, float **pixels,
-                              al_error *error)
+static al_status constant_map(const al_environment_description *from, uint32_t *width, uint32_t *height,
+                              float **pixels, al_error *error)
 {
     *width = *height = 1;
     *pixels = calloc(3, sizeof **pixels);
@@ -195,8 +202,8 @@ al_status al_environment_import(al_import *import, al_error *error)
     float *pixels = NULL;
     bool constant = from->radiance[0] > 0 || from->radiance[1] > 0 || from->radiance[2] > 0;
     if (!from->scale || (!*from->file && !constant)) return AL_OK;
-    al_status status = *from->file ? read_map(import, &width, &height, &pixels, error) :
-                                     constant_map(from, &width, &height, &pixels, error);
+    al_status status = *from->file ? read_map(import, &width, &height, &pixels, error)
+                                   : constant_map(from, &width, &height, &pixels, error);
     if (status) goto cleanup;
     out->pixels = al_scene_array(&import->scene, (size_t)width * height, 3 * sizeof(float));
     if (!out->pixels) {

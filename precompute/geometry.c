@@ -124,8 +124,8 @@ al_status al_corners_reserve(al_corners *corners, uint32_t more, al_error *error
     uint32_t wanted = corners->count + more;
     if (wanted <= corners->room) return AL_OK;
     uint32_t room = corners->room * 2 > wanted ? corners->room * 2 : wanted;
-    if (!grow(&corners->positions, room, 3) || !grow(&corners->normals, room, 3) || !grow(&corners->uv0, room, 2) ||
-        !grow(&corners->uv1, room, 2))
+    if (!grow(&corners->positions, room, 3) || !grow(&corners->normals, room, 3) ||
+        !grow(&corners->uv0, room, 2) || !grow(&corners->uv1, room, 2))
         return al_fail(error, AL_IO, "out of memory for %u triangle corners", room);
     corners->room = room;
     return AL_OK;
@@ -166,7 +166,8 @@ static void transform_normal(const double m[16], double sign, float normal[3])
 {
     double v[3];
     for (int i = 0; i < 3; i++)
-        v[i] = sign * (cofactor(m, i, 0) * normal[0] + cofactor(m, i, 1) * normal[1] + cofactor(m, i, 2) * normal[2]);
+        v[i] = sign * (cofactor(m, i, 0) * normal[0] + cofactor(m, i, 1) * normal[1] +
+                       cofactor(m, i, 2) * normal[2]);
     set_unit(normal, v);
 }
 
@@ -209,8 +210,8 @@ static void measure_face(const float *p, face_corner out[3])
     }
 }
 
-static void smooth_normal(const face_corner *faces, const uint32_t *around, uint32_t count, const face_corner *own,
-                          float out[3])
+static void smooth_normal(const face_corner *faces, const uint32_t *around, uint32_t count,
+                          const face_corner *own, float out[3])
 {
     const double crease = 0.5; /* cos 60 degrees */
     double sum[3] = {0};
@@ -236,7 +237,8 @@ static void fill_normals(const al_corners *corners, const face_corner *faces, co
         float *normal = corners->normals + i * (size_t)3;
         uint32_t point = points[i];
         if (is_zero(normal))
-            smooth_normal(faces, around + starts[point], starts[point + 1] - starts[point], &faces[i], normal);
+            smooth_normal(faces, around + starts[point], starts[point + 1] - starts[point], &faces[i],
+                          normal);
         if (is_zero(normal)) normal[1] = 1;
     }
 }
@@ -297,15 +299,16 @@ static void tidy(al_corners *corners)
     }
 }
 
-static al_status store_vertices(al_scene *scene, const al_corners *corners, const float *vertices, al_mesh *mesh,
-                                al_error *error)
+static al_status store_vertices(al_scene *scene, const al_corners *corners, const float *vertices,
+                                al_mesh *mesh, al_error *error)
 {
     uint32_t count = mesh->vertex_count;
     mesh->positions = al_scene_array(scene, count * (size_t)3, sizeof(float));
     mesh->normals = al_scene_array(scene, count * (size_t)3, sizeof(float));
     mesh->uv0 = corners->has_uv0 ? al_scene_array(scene, count * (size_t)2, sizeof(float)) : NULL;
     mesh->uv1 = corners->has_uv1 ? al_scene_array(scene, count * (size_t)2, sizeof(float)) : NULL;
-    if (!mesh->positions || !mesh->normals || (corners->has_uv0 && !mesh->uv0) || (corners->has_uv1 && !mesh->uv1))
+    if (!mesh->positions || !mesh->normals || (corners->has_uv0 && !mesh->uv0) ||
+        (corners->has_uv1 && !mesh->uv1))
         return al_fail(error, AL_IO, "out of memory for %u vertices", count);
     for (uint32_t i = 0; i < corners->count; i++) {
         const float *vertex = vertices + i * (size_t)VERTEX_FLOATS;
@@ -331,14 +334,18 @@ al_status al_corners_to_mesh(al_scene *scene, al_corners *corners, const char *n
         status = al_fail(error, AL_IO, "out of memory for %u vertices", corners->count);
         goto cleanup;
     }
-    for (uint32_t i = 0; i < corners->count; i++) gather_vertex(corners, i, vertices + i * (size_t)VERTEX_FLOATS);
-    status = al_weld(vertices, sizeof(float[VERTEX_FLOATS]), corners->count, mesh.indices, &mesh.vertex_count, error);
+    for (uint32_t i = 0; i < corners->count; i++)
+        gather_vertex(corners, i, vertices + i * (size_t)VERTEX_FLOATS);
+    status = al_weld(vertices, sizeof(float[VERTEX_FLOATS]), corners->count, mesh.indices, &mesh.vertex_count,
+                     error);
     if (!status) status = store_vertices(scene, corners, vertices, &mesh, error);
     if (status) goto cleanup;
     *mesh_index = scene->mesh_count;
     al_mesh *place = al_scene_append(scene, &scene->meshes, &scene->mesh_count, sizeof *place);
-    if (place) *place = mesh;
-    else status = al_fail(error, AL_IO, "out of memory for mesh %u", scene->mesh_count);
+    if (place)
+        *place = mesh;
+    else
+        status = al_fail(error, AL_IO, "out of memory for mesh %u", scene->mesh_count);
 cleanup:
     free(vertices);
     return status;

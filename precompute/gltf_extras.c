@@ -55,7 +55,8 @@ al_status al_gltf_extras_read(const char *name, const uint8_t *bytes, size_t siz
         extras->emissive_strength[i] = fmaxf(0, number(strength, "emissiveStrength", 1));
     }
     for (size_t i = 0; i < camera_count; i++)
-        extras->fov_y_radians[i] = number(json_object_get(json_array_get(cameras, i), "perspective"), "yfov", 0);
+        extras->fov_y_radians[i] =
+            number(json_object_get(json_array_get(cameras, i), "perspective"), "yfov", 0);
     json_decref(root);
     return AL_OK;
 }

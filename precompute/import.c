@@ -24,7 +24,8 @@ static al_status copy_materials(al_import *import, al_error *error)
 {
     al_scene *scene = &import->scene;
     for (uint32_t i = 0; i < import->description->material_count; i++) {
-        al_material *material = al_scene_append(scene, &scene->materials, &scene->material_count, sizeof *material);
+        al_material *material =
+            al_scene_append(scene, &scene->materials, &scene->material_count, sizeof *material);
         if (!material) return out_of_memory(import, error);
         *material = import->description->materials[i];
         material->name = al_scene_text(scene, material->name);
@@ -88,7 +89,8 @@ static al_status open_densities(al_import *import, al_error *error)
     for (uint32_t i = 0; i < description->medium_count; i++) {
         const al_medium_description *medium = &description->media[i];
         al_status status = AL_OK;
-        if (medium->density.type == AL_DENSITY_GRID) status = al_inputs_hash(import, medium->density.file, error);
+        if (medium->density.type == AL_DENSITY_GRID)
+            status = al_inputs_hash(import, medium->density.file, error);
         if (!status) status = al_density_open(description, medium, &import->densities[i], error);
         if (status) return status;
     }
@@ -119,12 +121,15 @@ static void object_matrix(const al_mesh_description *mesh, double object[16])
     al_matrix_split(placement, object, rest);
 }
 
-static al_status check_new_meshes(const al_import *import, uint32_t first, const al_mesh_use *use, al_error *error)
+static al_status check_new_meshes(const al_import *import, uint32_t first, const al_mesh_use *use,
+                                  al_error *error)
 {
     al_status status = AL_OK;
-    for (uint32_t i = first; i < import->scene.instance_count && use->role != AL_ROLE_OPAQUE && !status; i++) {
+    for (uint32_t i = first; i < import->scene.instance_count && use->role != AL_ROLE_OPAQUE && !status;
+         i++) {
         al_triangles triangles;
-        status = al_triangles_from_mesh(&import->scene.meshes[import->scene.instances[i].mesh], &triangles, error);
+        status =
+            al_triangles_from_mesh(&import->scene.meshes[import->scene.instances[i].mesh], &triangles, error);
         if (status) break;
         status = al_triangles_check(use->name, &triangles, error);
         al_triangles_free(&triangles);
@@ -208,7 +213,8 @@ static void measure_scene(const al_scene *scene, double centre[3], double *radiu
         double world[16];
         for (int k = 0; k < 16; k++) world[k] = scene->instances[i].world[k];
         for (size_t v = 0; v < mesh->vertex_count; v++) {
-            double point[3] = {mesh->positions[v * 3], mesh->positions[v * 3 + 1], mesh->positions[v * 3 + 2]};
+            double point[3] = {mesh->positions[v * 3], mesh->positions[v * 3 + 1],
+                               mesh->positions[v * 3 + 2]};
             al_matrix_point(world, point, point);
             grow_box(low, high, point);
         }
@@ -249,10 +255,12 @@ static al_status finish_cameras(al_import *import, al_error *error)
     for (uint32_t i = import->description->camera_count; i < scene->camera_count; i++) {
         al_camera *camera = &scene->cameras[i];
         double distance = 0;
-        for (int k = 0; k < 3; k++) distance += (centre[k] - camera->position[k]) * (centre[k] - camera->position[k]);
+        for (int k = 0; k < 3; k++)
+            distance += (centre[k] - camera->position[k]) * (centre[k] - camera->position[k]);
         distance = fmax(sqrt(distance), radius / 100);
         for (int k = 0; k < 3; k++)
-            camera->target[k] = (float)(camera->position[k] + distance * ((double)camera->target[k] - camera->position[k]));
+            camera->target[k] =
+                (float)(camera->position[k] + distance * ((double)camera->target[k] - camera->position[k]));
     }
     return scene->camera_count ? AL_OK : add_default_camera(import, centre, radius, error);
 }
@@ -264,7 +272,8 @@ static al_status check_result(const al_import *import, al_error *error)
     const al_scene *scene = &import->scene;
     const char *path = import->description->path;
     if (scene->light_count > LIGHT_LIMIT)
-        return al_fail(error, AL_BAD_INPUT, "%s: %u lights with those of the mesh files; at most %d are right", path,
+        return al_fail(error, AL_BAD_INPUT,
+                       "%s: %u lights with those of the mesh files; at most %d are right", path,
                        scene->light_count, LIGHT_LIMIT);
     for (uint32_t i = 0; i < scene->medium_count; i++) {
         const al_medium *medium = &scene->media[i];
@@ -299,8 +308,10 @@ al_status al_import_scene(const char *path, al_quality quality, al_import **impo
     al_status status = al_scene_description_read(path, quality, &made->description, error);
     if (!status) status = al_inputs_hash(made, path, error);
     if (!status) status = fill_scene(made, error);
-    if (status) al_import_free(made);
-    else *import = made;
+    if (status)
+        al_import_free(made);
+    else
+        *import = made;
     return status;
 }
 

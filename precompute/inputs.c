@@ -81,7 +81,8 @@ al_status al_inputs_hash(al_import *import, const char *path, al_error *error)
     }
     XXH64_reset(state, 0);
     for (size_t got; (got = fread(piece, 1, PIECE, file)) > 0;) XXH64_update(state, piece, got);
-    status = ferror(file) ? al_fail_errno(error, path, "read") : note(import, path, XXH64_digest(state), error);
+    status =
+        ferror(file) ? al_fail_errno(error, path, "read") : note(import, path, XXH64_digest(state), error);
 cleanup:
     free(piece);
     XXH64_freeState(state);

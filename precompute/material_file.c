@@ -47,8 +47,9 @@ al_status al_material_default(al_scene *scene, uint32_t *material, al_error *err
 static float number(const struct aiMaterial *from, const char *key, float otherwise)
 {
     float value;
-    return aiGetMaterialFloatArray(from, key, 0, 0, &value, NULL) == aiReturn_SUCCESS && isfinite(value) ? value :
-                                                                                                           otherwise;
+    return aiGetMaterialFloatArray(from, key, 0, 0, &value, NULL) == aiReturn_SUCCESS && isfinite(value)
+               ? value
+               : otherwise;
 }
 
 static void color(const struct aiMaterial *from, const char *key, float out[3])
@@ -97,8 +98,8 @@ static void read_obj(const struct aiMaterial *from, al_material *out)
 
 /* --- textures --- */
 
-static al_status decode(al_scene *scene, const uint8_t *bytes, size_t size, const char *name, bool srgb, uint32_t *index,
-                        al_error *error)
+static al_status decode(al_scene *scene, const uint8_t *bytes, size_t size, const char *name, bool srgb,
+                        uint32_t *index, al_error *error)
 {
     uint32_t width, height;
     uint8_t *pixels;
@@ -127,8 +128,8 @@ static void texture_path(const char *mesh_path, const char *texture, char out[PA
         if (*at == '\\') *at = '/';
 }
 
-static al_status load_texture(al_import *import, const struct aiScene *file, const char *mesh_path, const char *texture,
-                              bool srgb, uint32_t *index, al_error *error)
+static al_status load_texture(al_import *import, const struct aiScene *file, const char *mesh_path,
+                              const char *texture, bool srgb, uint32_t *index, al_error *error)
 {
     const struct aiTexture *embedded = NULL;
     char path[PATH_ROOM];
@@ -136,17 +137,21 @@ static al_status load_texture(al_import *import, const struct aiScene *file, con
     size_t size;
     if (*texture == '*' && strtoul(texture + 1, NULL, 10) < file->mNumTextures)
         embedded = file->mTextures[strtoul(texture + 1, NULL, 10)];
-    if (embedded) snprintf(path, sizeof path, "%s%s", mesh_path, texture);
-    else texture_path(mesh_path, texture, path);
+    if (embedded)
+        snprintf(path, sizeof path, "%s%s", mesh_path, texture);
+    else
+        texture_path(mesh_path, texture, path);
     for (uint32_t i = 0; i < import->scene.texture_count; i++)
         if (strcmp(import->scene.textures[i].name, path) == 0 && import->scene.textures[i].srgb == srgb) {
             *index = i;
             return AL_OK;
         }
     if (embedded && embedded->mHeight)
-        return al_fail(error, AL_BAD_INPUT, "%s: the texture is stored as raw pixels; PNG or JPEG is right", path);
+        return al_fail(error, AL_BAD_INPUT, "%s: the texture is stored as raw pixels; PNG or JPEG is right",
+                       path);
     if (embedded)
-        return decode(&import->scene, (const uint8_t *)embedded->pcData, embedded->mWidth, path, srgb, index, error);
+        return decode(&import->scene, (const uint8_t *)embedded->pcData, embedded->mWidth, path, srgb, index,
+                      error);
     al_status status = al_inputs_read(import, path, &bytes, &size, error);
     if (!status) status = decode(&import->scene, bytes, size, path, srgb, index, error);
     free(bytes);
@@ -154,21 +159,24 @@ static al_status load_texture(al_import *import, const struct aiScene *file, con
 }
 
 static al_status read_textures(al_import *import, const struct aiScene *file, const char *path,
-                               const struct aiMaterial *from, al_mesh_format format, al_material *out, al_error *error)
+                               const struct aiMaterial *from, al_mesh_format format, al_material *out,
+                               al_error *error)
 {
     const struct {
         enum aiTextureType type;
         bool srgb;
         uint32_t *index;
     } slots[] = {
-        {format == AL_MESH_GLTF ? aiTextureType_BASE_COLOR : aiTextureType_DIFFUSE, true, &out->base_color_texture},
+        {format == AL_MESH_GLTF ? aiTextureType_BASE_COLOR : aiTextureType_DIFFUSE, true,
+         &out->base_color_texture},
         {aiTextureType_EMISSIVE, true, &out->emission_texture},
         {aiTextureType_UNKNOWN, false, &out->metallic_roughness_texture}, /* where assimp puts glTF's */
         {aiTextureType_NORMALS, false, &out->normal_texture}};
     al_status status = AL_OK;
     for (size_t i = 0; i < sizeof slots / sizeof slots[0] && !status; i++) {
         struct aiString name;
-        if (aiGetMaterialTexture(from, slots[i].type, 0, &name, NULL, NULL, NULL, NULL, NULL, NULL) == aiReturn_SUCCESS)
+        if (aiGetMaterialTexture(from, slots[i].type, 0, &name, NULL, NULL, NULL, NULL, NULL, NULL) ==
+            aiReturn_SUCCESS)
             status = load_texture(import, file, path, name.data, slots[i].srgb, slots[i].index, error);
     }
     return status;
@@ -179,11 +187,13 @@ static void name_of(const struct aiMaterial *from, uint32_t index, char out[NAME
     struct aiString name;
     if (aiGetMaterialString(from, AI_MATKEY_NAME, &name) == aiReturn_SUCCESS && name.length)
         snprintf(out, NAME_ROOM, "%s", name.data);
-    else snprintf(out, NAME_ROOM, "material %u", index);
+    else
+        snprintf(out, NAME_ROOM, "material %u", index);
 }
 
-al_status al_material_import(al_import *import, const struct aiScene *file, al_mesh_format format, const char *path,
-                             uint32_t index, float strength, uint32_t *map, uint32_t *material, al_error *error)
+al_status al_material_import(al_import *import, const struct aiScene *file, al_mesh_format format,
+                             const char *path, uint32_t index, float strength, uint32_t *map,
+                             uint32_t *material, al_error *error)
 {
     const al_scene_description *description = import->description;
     const struct aiMaterial *from = file->mMaterials[index];
@@ -194,12 +204,15 @@ al_status al_material_import(al_import *import, const struct aiScene *file, al_m
     for (uint32_t i = 0; i < description->material_count && map[index] == AL_NO_INDEX; i++)
         if (strcmp(description->materials[i].name, name) == 0) map[index] = i;
     /* what assimp makes up for OBJ files that name no material goes by its own name */
-    bool none = format == AL_MESH_PLAIN || (format == AL_MESH_OBJ && strcmp(name, AI_DEFAULT_MATERIAL_NAME) == 0);
+    bool none =
+        format == AL_MESH_PLAIN || (format == AL_MESH_OBJ && strcmp(name, AI_DEFAULT_MATERIAL_NAME) == 0);
     if (map[index] == AL_NO_INDEX && none) {
         status = al_material_default(&import->scene, &map[index], error);
     } else if (map[index] == AL_NO_INDEX) {
-        if (format == AL_MESH_GLTF) read_gltf(from, &made);
-        else read_obj(from, &made);
+        if (format == AL_MESH_GLTF)
+            read_gltf(from, &made);
+        else
+            read_obj(from, &made);
         for (int i = 0; i < 3; i++) made.emission_w_m2_sr[i] *= strength;
         status = read_textures(import, file, path, from, format, &made, error);
         if (!status) status = add_material(&import->scene, &made, name, &map[index], error);
@@ -208,8 +221,8 @@ al_status al_material_import(al_import *import, const struct aiScene *file, al_m
     return status;
 }
 
-al_status al_material_absorption(const struct aiScene *file, const char *name, double unit_m, const char *where,
-                                 float sigma_a_per_m[3], al_error *error)
+al_status al_material_absorption(const struct aiScene *file, const char *name, double unit_m,
+                                 const char *where, float sigma_a_per_m[3], al_error *error)
 {
     for (unsigned i = 0; i < file->mNumMaterials; i++) {
         float white[3] = {1, 1, 1};
@@ -219,12 +232,16 @@ al_status al_material_absorption(const struct aiScene *file, const char *name, d
         double distance_m = number(file->mMaterials[i], "$mat.volume.attenuationDistance", INFINITY) * unit_m;
         color(file->mMaterials[i], "$mat.volume.attenuationColor", white);
         if (!(distance_m > 0) || !isfinite(distance_m))
-            return al_fail(error, AL_BAD_INPUT, "%s: material \"%s\" has no attenuation distance "
-                                                "(KHR_materials_volume)", where, name);
+            return al_fail(error, AL_BAD_INPUT,
+                           "%s: material \"%s\" has no attenuation distance "
+                           "(KHR_materials_volume)",
+                           where, name);
         for (int k = 0; k < 3; k++) {
             if (!(white[k] > 0 && white[k] <= 1))
-                return al_fail(error, AL_BAD_INPUT, "%s: material \"%s\" has the attenuation colour %g; above 0 and "
-                                                    "at most 1 is right", where, name, white[k]);
+                return al_fail(error, AL_BAD_INPUT,
+                               "%s: material \"%s\" has the attenuation colour %g; above 0 and "
+                               "at most 1 is right",
+                               where, name, white[k]);
             sigma_a_per_m[k] = (float)(-log(white[k]) / distance_m);
         }
         return AL_OK;

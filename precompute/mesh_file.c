@@ -86,12 +86,14 @@ static struct aiFile *file_open(struct aiFileIO *io, const char *path, const cha
     if (strchr(mode, 'w')) return NULL;
     open_file *opened = calloc(1, sizeof *opened);
     struct aiFile *file = calloc(1, sizeof *file);
-    if (!opened || !file || al_inputs_read(source->import, path, &opened->bytes, &opened->size, &source->failure)) {
+    if (!opened || !file ||
+        al_inputs_read(source->import, path, &opened->bytes, &opened->size, &source->failure)) {
         free(opened);
         free(file);
         return NULL;
     }
-    *file = (struct aiFile){file_read, file_write, file_tell, file_size, file_seek, file_flush, (char *)opened};
+    *file =
+        (struct aiFile){file_read, file_write, file_tell, file_size, file_seek, file_flush, (char *)opened};
     return file;
 }
 
@@ -105,8 +107,8 @@ typedef struct mesh_import {
     al_mesh_format format;
     double placement[16]; /* file space to world: the scene file's transform and unit */
     al_gltf_extras extras;
-    uint32_t *materials;  /* [file->mNumMaterials] scene material or AL_NO_INDEX */
-    al_corners corners;   /* of the mesh being made */
+    uint32_t *materials; /* [file->mNumMaterials] scene material or AL_NO_INDEX */
+    al_corners corners;  /* of the mesh being made */
     al_submesh *submeshes;
     uint32_t submesh_count;
 } mesh_import;
@@ -121,8 +123,11 @@ static al_status format_of(const char *path, al_mesh_format *format)
     static const struct {
         const char *ending;
         al_mesh_format format;
-    } known[] = {{".gltf", AL_MESH_GLTF}, {".glb", AL_MESH_GLTF}, {".obj", AL_MESH_OBJ},
-                 {".ply", AL_MESH_PLAIN}, {".stl", AL_MESH_PLAIN}};
+    } known[] = {{".gltf", AL_MESH_GLTF},
+                 {".glb", AL_MESH_GLTF},
+                 {".obj", AL_MESH_OBJ},
+                 {".ply", AL_MESH_PLAIN},
+                 {".stl", AL_MESH_PLAIN}};
     const char *ending = strrchr(path, '.');
     for (size_t i = 0; ending && i < sizeof known / sizeof known[0]; i++)
         if (strcasecmp(ending, known[i].ending) == 0) {
@@ -138,11 +143,15 @@ static al_status load_file(mesh_import *job, al_error *error)
     uint8_t *bytes;
     size_t size;
     if (format_of(path, &job->format))
-        return al_fail(error, AL_BAD_INPUT, "%s: unknown kind of mesh file; .gltf, .glb, .obj, .ply, .off or .stl is "
-                                            "right", job->use->name);
-    al_status status = al_inputs_read(job->import, path, &bytes, &size, error); /* a clear word when it is absent */
+        return al_fail(error, AL_BAD_INPUT,
+                       "%s: unknown kind of mesh file; .gltf, .glb, .obj, .ply, .off or .stl is "
+                       "right",
+                       job->use->name);
+    al_status status =
+        al_inputs_read(job->import, path, &bytes, &size, error); /* a clear word when it is absent */
     if (status) return status;
-    if (!size) status = al_fail(error, AL_BAD_INPUT, "%s: the file is empty", job->use->name);
+    if (!size)
+        status = al_fail(error, AL_BAD_INPUT, "%s: the file is empty", job->use->name);
     else if (job->format == AL_MESH_GLTF)
         status = al_gltf_extras_read(job->use->name, bytes, size, &job->extras, error);
     free(bytes);
@@ -215,7 +224,8 @@ static al_status check_finite(const mesh_import *job, const struct aiMesh *mesh,
     for (unsigned i = 0; i < mesh->mNumVertices; i++) {
         const struct aiVector3D *v = &mesh->mVertices[i];
         if (!isfinite(v->x) || !isfinite(v->y) || !isfinite(v->z))
-            return al_fail(error, AL_BAD_INPUT, "%s: vertex %u of \"%s\" is (%g, %g, %g); finite numbers are right",
+            return al_fail(error, AL_BAD_INPUT,
+                           "%s: vertex %u of \"%s\" is (%g, %g, %g); finite numbers are right",
                            job->use->name, i, mesh->mName.data, v->x, v->y, v->z);
     }
     return AL_OK;
@@ -229,7 +239,8 @@ static void copy_corner(const struct aiMesh *mesh, unsigned vertex, al_corners *
     memcpy(out->positions + to * 3, (float[3]){p->x, p->y, p->z}, 3 * sizeof(float));
     float normal[3] = {0};
     if (mesh->mNormals)
-        memcpy(normal, (float[3]){mesh->mNormals[vertex].x, mesh->mNormals[vertex].y, mesh->mNormals[vertex].z},
+        memcpy(normal,
+               (float[3]){mesh->mNormals[vertex].x, mesh->mNormals[vertex].y, mesh->mNormals[vertex].z},
                sizeof normal);
     memcpy(out->normals + to * 3, normal, sizeof normal);
     float *uvs[2] = {out->uv0 + to * 2, out->uv1 + to * 2};
@@ -248,11 +259,12 @@ static al_status material_of(mesh_import *job, const struct aiMesh *mesh, uint32
             *material = i; /* the scene file's materials come first in the scene */
             return AL_OK;
         }
-    if (mesh->mMaterialIndex >= job->file->mNumMaterials) return al_material_default(&job->import->scene, material, error);
+    if (mesh->mMaterialIndex >= job->file->mNumMaterials)
+        return al_material_default(&job->import->scene, material, error);
     uint32_t index = mesh->mMaterialIndex;
     float strength = index < job->extras.material_count ? job->extras.emissive_strength[index] : 1;
-    return al_material_import(job->import, job->file, job->format, job->mesh->file, index, strength, job->materials,
-                              material, error);
+    return al_material_import(job->import, job->file, job->format, job->mesh->file, index, strength,
+                              job->materials, material, error);
 }
 
 static al_status add_submesh(mesh_import *job, uint32_t material, uint32_t first, al_error *error)
@@ -285,8 +297,8 @@ static al_status append_triangles(mesh_import *job, const struct aiMesh *mesh, a
         const struct aiFace *face = &mesh->mFaces[i];
         for (unsigned k = 0; k < face->mNumIndices; k++)
             if (face->mIndices[k] >= mesh->mNumVertices)
-                return al_fail(error, AL_BAD_INPUT, "%s: triangle %u of \"%s\" names vertex %u of %u", job->use->name,
-                               i, mesh->mName.data, face->mIndices[k], mesh->mNumVertices);
+                return al_fail(error, AL_BAD_INPUT, "%s: triangle %u of \"%s\" names vertex %u of %u",
+                               job->use->name, i, mesh->mName.data, face->mIndices[k], mesh->mNumVertices);
         for (unsigned k = 0; k < 3 && face->mNumIndices == 3; k++)
             copy_corner(mesh, face->mIndices[k], &job->corners);
     }
@@ -300,13 +312,18 @@ static al_status append_triangles(mesh_import *job, const struct aiMesh *mesh, a
 static al_status finish_mesh(mesh_import *job, const char *name, uint32_t *index, al_error *error)
 {
     al_scene *scene = &job->import->scene;
+    for (size_t i = 0; i < job->corners.count * (size_t)3; i++)
+        if (!isfinite(job->corners.positions[i]))
+            return al_fail(error, AL_BAD_INPUT, "%s: its transforms lead beyond all numbers", job->use->name);
     al_status status = al_corners_to_mesh(scene, &job->corners, name, index, error);
     if (!status) {
         al_mesh *mesh = &scene->meshes[*index];
         mesh->submesh_count = job->submesh_count;
         mesh->submeshes = al_scene_array(scene, job->submesh_count, sizeof *mesh->submeshes);
-        if (mesh->submeshes) memcpy(mesh->submeshes, job->submeshes, job->submesh_count * sizeof *job->submeshes);
-        else status = out_of_memory(job, error);
+        if (mesh->submeshes)
+            memcpy(mesh->submeshes, job->submeshes, job->submesh_count * sizeof *job->submeshes);
+        else
+            status = out_of_memory(job, error);
     }
     job->corners.count = job->submesh_count = 0;
     job->corners.has_uv0 = job->corners.has_uv1 = false;
@@ -317,37 +334,38 @@ static al_status add_instance(mesh_import *job, const char *name, uint32_t mesh,
                               al_error *error)
 {
     al_scene *scene = &job->import->scene;
-    al_instance *instance = al_scene_append(scene, &scene->instances, &scene->instance_count, sizeof *instance);
+    al_instance *instance =
+        al_scene_append(scene, &scene->instances, &scene->instance_count, sizeof *instance);
     if (!instance) return out_of_memory(job, error);
     *instance = (al_instance){al_scene_text(scene, name), mesh, job->use->role, job->use->translucent, {0}};
     if (!instance->name) return out_of_memory(job, error);
     for (int i = 0; i < 16; i++) {
         instance->world[i] = (float)world[i];
         if (!isfinite(instance->world[i]))
-            return al_fail(error, AL_BAD_INPUT, "%s: node \"%s\" has a transform that is not finite", job->use->name,
-                           name);
+            return al_fail(error, AL_BAD_INPUT, "%s: node \"%s\" has a transform that is not finite",
+                           job->use->name, name);
     }
     return AL_OK;
 }
 
-/* A shape, boundary or blocker is one mesh: `rest` takes it to the object space of `rigid`. */
+/* A shape, OFF file, boundary or blocker is one mesh, gathered in object space. */
 static al_status add_whole(mesh_import *job, const double object[16], al_error *error)
 {
     uint32_t index;
-    if (!job->corners.count)
-        return al_fail(error, AL_BAD_INPUT, "%s: has no triangles", job->use->name);
+    if (!job->corners.count) return al_fail(error, AL_BAD_INPUT, "%s: has no triangles", job->use->name);
     al_status status = finish_mesh(job, job->mesh->name, &index, error);
     return status ? status : add_instance(job, job->mesh->name, index, object, error);
 }
 
-static al_status gather_nodes(mesh_import *job, const struct aiNode *node, const double to_object[16], int depth,
-                              al_error *error)
+static al_status gather_nodes(mesh_import *job, const struct aiNode *node, const double to_object[16],
+                              int depth, al_error *error)
 {
     double world[16], matrix[16];
     uint32_t first = job->corners.count;
     al_status status = AL_OK;
     if (depth > NODE_DEPTH_LIMIT)
-        return al_fail(error, AL_BAD_INPUT, "%s: nodes are nested more than %d deep", job->use->name, NODE_DEPTH_LIMIT);
+        return al_fail(error, AL_BAD_INPUT, "%s: nodes are nested more than %d deep", job->use->name,
+                       NODE_DEPTH_LIMIT);
     for (unsigned i = 0; i < node->mNumMeshes && !status; i++)
         status = append_triangles(job, job->file->mMeshes[node->mMeshes[i]], error);
     node_to_world(job, node, world);
@@ -380,10 +398,12 @@ static al_status add_node(mesh_import *job, const struct aiNode *node, uint32_t 
     return add_instance(job, node->mName.data, index, even ? world : rigid, error);
 }
 
-static al_status add_nodes(mesh_import *job, const struct aiNode *node, uint32_t *shared, int depth, al_error *error)
+static al_status add_nodes(mesh_import *job, const struct aiNode *node, uint32_t *shared, int depth,
+                           al_error *error)
 {
     if (depth > NODE_DEPTH_LIMIT)
-        return al_fail(error, AL_BAD_INPUT, "%s: nodes are nested more than %d deep", job->use->name, NODE_DEPTH_LIMIT);
+        return al_fail(error, AL_BAD_INPUT, "%s: nodes are nested more than %d deep", job->use->name,
+                       NODE_DEPTH_LIMIT);
     al_status status = node->mNumMeshes ? add_node(job, node, shared, error) : AL_OK;
     for (unsigned i = 0; i < node->mNumChildren && !status; i++)
         status = add_nodes(job, node->mChildren[i], shared, depth + 1, error);
@@ -419,16 +439,20 @@ static void axis_in_world(const double m[16], int axis, float out[3])
 {
     const double *v = m + axis * 4;
     double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), sign = axis == 2 ? -1 : 1;
-    for (int i = 0; i < 3; i++) out[i] = length > 0 ? (float)(sign * v[i] / length) : (float)sign * (i == axis);
+    for (int i = 0; i < 3; i++)
+        out[i] = length > 0 ? (float)(sign * v[i] / length) : (float)sign * (i == axis);
 }
 
-static al_status add_light(mesh_import *job, const struct aiLight *from, const struct aiNode *node, al_error *error)
+static al_status add_light(mesh_import *job, const struct aiLight *from, const struct aiNode *node,
+                           al_error *error)
 {
     al_scene *scene = &job->import->scene;
     double world[16];
     if (from->mType != aiLightSource_POINT && from->mType != aiLightSource_DIRECTIONAL)
-        return al_fail(error, AL_BAD_INPUT, "%s: light \"%s\" is neither point nor directional; remove it, or set "
-                                            "\"import_lights\": false", job->use->name, from->mName.data);
+        return al_fail(error, AL_BAD_INPUT,
+                       "%s: light \"%s\" is neither point nor directional; remove it, or set "
+                       "\"import_lights\": false",
+                       job->use->name, from->mName.data);
     al_light *light = al_scene_append(scene, &scene->lights, &scene->light_count, sizeof *light);
     if (!light) return out_of_memory(job, error);
     light->name = al_scene_text(scene, from->mName.data);
@@ -466,9 +490,10 @@ static al_status add_camera(mesh_import *job, uint32_t index, const struct aiNod
     }
     camera->fov_y_radians = index < job->extras.camera_count ? job->extras.fov_y_radians[index] : 0;
     if (!(camera->fov_y_radians > 1e-4f && camera->fov_y_radians < 3.13f))
-        return al_fail(error, AL_BAD_INPUT, "%s: camera \"%s\" has a field of view of %g radians; a perspective camera "
-                                            "is right, or \"import_cameras\": false", job->use->name, name,
-                       camera->fov_y_radians);
+        return al_fail(error, AL_BAD_INPUT,
+                       "%s: camera \"%s\" has a field of view of %g radians; a perspective camera "
+                       "is right, or \"import_cameras\": false",
+                       job->use->name, name, camera->fov_y_radians);
     return AL_OK;
 }
 
@@ -495,8 +520,8 @@ static al_status read_absorption(const mesh_import *job, al_error *error)
     for (uint32_t i = 0; i < description->medium_count && !status; i++) {
         const al_medium_description *medium = &description->media[i];
         if (strcmp(medium->absorption_mesh, job->mesh->name) == 0)
-            status = al_material_absorption(job->file, medium->absorption_material, job->mesh->unit_m, job->use->name,
-                                            job->import->scene.media[i].sigma_a_per_m, error);
+            status = al_material_absorption(job->file, medium->absorption_material, job->mesh->unit_m,
+                                            job->use->name, job->import->scene.media[i].sigma_a_per_m, error);
     }
     return status;
 }
@@ -536,8 +561,8 @@ static al_status import_bare(mesh_import *job, al_error *error)
     const struct aiScene no_scene = {.mNumMaterials = 0};
     uint32_t material;
     job->file = &no_scene;
-    al_status status = job->mesh->shape.type ? al_shape_corners(&job->mesh->shape, &job->corners, error) :
-                                               read_off(job, error);
+    al_status status = job->mesh->shape.type ? al_shape_corners(&job->mesh->shape, &job->corners, error)
+                                             : read_off(job, error);
     if (!status && !job->use->object && job->mesh->hidden) goto cleanup;
     if (!status) status = material_of(job, &no_file, &material, error);
     if (!status) status = add_submesh(job, material, 0, error);
@@ -552,6 +577,7 @@ static al_status import_bare(mesh_import *job, al_error *error)
     al_corners_transform(&job->corners, 0, rest);
     status = add_whole(job, rigid, error);
 cleanup:
+    if (!status) status = read_absorption(job, error); /* there is none: refused */
     job->file = NULL;
     return status;
 }

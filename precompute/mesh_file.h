@@ -6,9 +6,9 @@
 
 typedef struct al_mesh_use {
     al_role role;
-    uint32_t translucent;     /* AL_NO_INDEX for AL_ROLE_OPAQUE */
-    const double *object;     /* boundary and blockers: the rigid object-to-world matrix they share, else NULL */
-    const char *name;         /* "FILE:LINE: mesh "NAME" (FILE)", for messages */
+    uint32_t translucent; /* AL_NO_INDEX for AL_ROLE_OPAQUE */
+    const double *object; /* boundary and blockers: the rigid object-to-world matrix they share, else NULL */
+    const char *name;     /* "FILE:LINE: mesh "NAME" (FILE)", for messages */
 } al_mesh_use;
 
 /* Adds everything `mesh` describes; sigma_a of media that name a material of this file. */

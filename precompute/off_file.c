@@ -47,7 +47,8 @@ static bool read_count(const char **at, uint32_t limit, uint32_t *out)
 /* [ST][C][N]OFF: any of these begins with positions on its vertex lines. 4OFF and nOFF do not. */
 static al_status read_head(reader *from, al_error *error)
 {
-    static const char *const words[] = {"OFF", "COFF", "NOFF", "CNOFF", "STOFF", "STCOFF", "STNOFF", "STCNOFF"};
+    static const char *const words[] = {"OFF",   "COFF",   "NOFF",   "CNOFF",
+                                        "STOFF", "STCOFF", "STNOFF", "STCNOFF"};
     if (!next_line(from)) return fail_line(from, "the file is empty; OFF is right", error);
     size_t size = strcspn(from->at, " \t\r\n");
     bool word = false;
@@ -59,14 +60,16 @@ static al_status read_head(reader *from, al_error *error)
     from->at += strspn(from->at, " \t\r");
     if (strchr("\n#", *from->at) && !next_line(from)) return fail_line(from, "counts are missing", error);
     const char *at = from->at;
-    if (!read_count(&at, UINT32_MAX / 16, &from->vertex_count) || !read_count(&at, UINT32_MAX / 16, &from->face_count))
+    if (!read_count(&at, UINT32_MAX / 16, &from->vertex_count) ||
+        !read_count(&at, UINT32_MAX / 16, &from->face_count))
         return fail_line(from, "the numbers of vertices and faces are right here", error);
     return AL_OK;
 }
 
 static al_status read_vertices(reader *from, size_t size, al_error *error)
 {
-    if (from->vertex_count > size) return fail_line(from, "names more vertices than the file can hold", error);
+    if (from->vertex_count > size)
+        return fail_line(from, "names more vertices than the file can hold", error);
     from->positions = malloc((from->vertex_count + (size_t)1) * sizeof(float[3]));
     if (!from->positions) return al_fail(error, AL_IO, "%s: out of memory for its vertices", from->name);
     for (uint32_t i = 0; i < from->vertex_count; i++) {
@@ -79,8 +82,10 @@ static al_status read_vertices(reader *from, size_t size, al_error *error)
                 return fail_line(from, "three coordinates are right here", error);
             from->positions[i * (size_t)3 + k] = (float)value;
             if (!isfinite(from->positions[i * (size_t)3 + k]))
-                return al_fail(error, AL_BAD_INPUT, "%s: line %zu: vertex %u has the coordinate %g; finite numbers "
-                                                    "are right", from->name, from->line, i, value);
+                return al_fail(error, AL_BAD_INPUT,
+                               "%s: line %zu: vertex %u has the coordinate %g; finite numbers "
+                               "are right",
+                               from->name, from->line, i, value);
             at = end;
         }
     }
@@ -100,7 +105,8 @@ static al_status read_face(reader *from, al_corners *out, al_error *error)
 {
     const char *at = from->at;
     uint32_t count, first, before, here;
-    if (!read_count(&at, UINT32_MAX / 16, &count)) return fail_line(from, "a number of corners is right here", error);
+    if (!read_count(&at, UINT32_MAX / 16, &count))
+        return fail_line(from, "a number of corners is right here", error);
     for (uint32_t i = 0; i < count; i++) {
         if (!read_count(&at, UINT32_MAX / 16, &here) || here >= from->vertex_count)
             return fail_line(from, "corners that are numbers of vertices, from 0, are right here", error);
@@ -123,8 +129,8 @@ al_status al_off_corners(const char *name, const char *text, al_corners *corners
     al_status status = read_head(&from, error);
     if (!status) status = read_vertices(&from, strlen(text), error);
     for (uint32_t i = 0; i < from.face_count && !status; i++)
-        status = next_line(&from) ? read_face(&from, corners, error) :
-                                    fail_line(&from, "the file ends within the faces", error);
+        status = next_line(&from) ? read_face(&from, corners, error)
+                                  : fail_line(&from, "the file ends within the faces", error);
     free(from.positions);
     return status;
 }

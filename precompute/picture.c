@@ -12,14 +12,15 @@
 #define STBI_NO_STDIO
 #include <stb/stb_image.h>
 
-static al_status measure(const char *name, const uint8_t *data, size_t size, const char *right, al_error *error)
+static al_status measure(const char *name, const uint8_t *data, size_t size, const char *right,
+                         al_error *error)
 {
     int width, height, channels;
     if (size > INT_MAX || !stbi_info_from_memory(data, (int)size, &width, &height, &channels))
         return al_fail(error, AL_BAD_INPUT, "%s: cannot be read as a picture; %s is right", name, right);
     if (width < 1 || height < 1 || width > AL_PICTURE_EDGE_LIMIT || height > AL_PICTURE_EDGE_LIMIT)
-        return al_fail(error, AL_BAD_INPUT, "%s: is %d x %d pixels; 1 to %d along each edge is right", name, width,
-                       height, AL_PICTURE_EDGE_LIMIT);
+        return al_fail(error, AL_BAD_INPUT, "%s: is %d x %d pixels; 1 to %d along each edge is right", name,
+                       width, height, AL_PICTURE_EDGE_LIMIT);
     return AL_OK;
 }
 

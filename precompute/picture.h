@@ -1,4 +1,5 @@
-/* Pictures that users bring: PNG and JPEG textures, Radiance HDR and OpenEXR (any compression) radiance maps. */
+/* Pictures that users bring: PNG and JPEG textures, Radiance HDR and OpenEXR (any compression) radiance maps.
+ */
 #ifndef AIRLIGHT_PICTURE_H
 #define AIRLIGHT_PICTURE_H
 

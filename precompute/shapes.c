@@ -47,8 +47,8 @@ static void sphere_corner(al_corners *out, double radius, const double n[3])
     put(out, &made);
 }
 
-static void split_triangle(al_corners *out, double radius, uint32_t depth, const double a[3], const double b[3],
-                           const double c[3])
+static void split_triangle(al_corners *out, double radius, uint32_t depth, const double a[3],
+                           const double b[3], const double c[3])
 {
     if (depth == 0) {
         sphere_corner(out, radius, a);
@@ -169,11 +169,16 @@ static al_status make_torus(const al_shape_description *shape, al_corners *out, 
 al_status al_shape_corners(const al_shape_description *shape, al_corners *corners, al_error *error)
 {
     switch (shape->type) {
-    case AL_SHAPE_SPHERE: return make_sphere(shape, corners, error);
-    case AL_SHAPE_BOX: return make_box(shape, corners, error);
-    case AL_SHAPE_PLANE: return make_plane(shape, corners, error);
-    case AL_SHAPE_TORUS: return make_torus(shape, corners, error);
-    case AL_SHAPE_NONE: break;
+    case AL_SHAPE_SPHERE:
+        return make_sphere(shape, corners, error);
+    case AL_SHAPE_BOX:
+        return make_box(shape, corners, error);
+    case AL_SHAPE_PLANE:
+        return make_plane(shape, corners, error);
+    case AL_SHAPE_TORUS:
+        return make_torus(shape, corners, error);
+    case AL_SHAPE_NONE:
+        break;
     }
     return al_fail(error, AL_USAGE, "shape type %d does not exist", (int)shape->type);
 }

@@ -88,8 +88,8 @@ static al_status start(const char *path, const exchange *files, pid_t *child, al
     if (!failed) failed = posix_spawn(child, path, &actions, NULL, arguments, environ);
     posix_spawn_file_actions_destroy(&actions);
     if (failed)
-        return al_fail(error, AL_IO, "%s: cannot be started: %s; it belongs beside the program that runs", path,
-                       strerror(failed));
+        return al_fail(error, AL_IO, "%s: cannot be started: %s; it belongs beside the program that runs",
+                       path, strerror(failed));
     return AL_OK;
 }
 
@@ -106,7 +106,8 @@ static al_status explain(const char *name, int ended, int messages, al_error *er
         return al_fail(error, AL_CANCELLED, "%s: cancelled while filling it with tetrahedra", name);
     if (WIFEXITED(ended) && WEXITSTATUS(ended) == AL_IO) return al_fail(error, AL_IO, "%s: %s", name, line);
     return al_fail(error, AL_BAD_INPUT, "%s: %s", name,
-                   *line ? line : "cannot be filled with tetrahedra; airlight-tetrahedra ended without a word");
+                   *line ? line
+                         : "cannot be filled with tetrahedra; airlight-tetrahedra ended without a word");
 }
 
 static al_status run_program(const char *name, const exchange *files, al_error *error)
@@ -124,7 +125,8 @@ static al_status run_program(const char *name, const exchange *files, al_error *
 
 static bool is_result(const char *bytes, size_t size, uint64_t counts[2])
 {
-    if (size < HEADER_SIZE || (memcmp(bytes, "ALTETOU1", 8) != 0 && memcmp(bytes, columns_magic, 8) != 0)) return false;
+    if (size < HEADER_SIZE || (memcmp(bytes, "ALTETOU1", 8) != 0 && memcmp(bytes, columns_magic, 8) != 0))
+        return false;
     memcpy(counts, bytes + 8, 2 * sizeof *counts);
     if (counts[0] > UINT32_MAX || counts[1] > UINT32_MAX) return false;
     return size == HEADER_SIZE + counts[0] * sizeof(double[3]) + counts[1] * sizeof(uint32_t[4]);
@@ -143,8 +145,8 @@ static al_status read_result(int file, al_tetrahedra *out, al_error *error)
         goto cleanup;
     }
     size_t points_size = counts[0] * sizeof(double[3]), corners_size = counts[1] * sizeof(uint32_t[4]);
-    *out = (al_tetrahedra){(uint32_t)counts[0], (uint32_t)counts[1], malloc(points_size), malloc(corners_size),
-                           memcmp(bytes, columns_magic, 8) != 0};
+    *out = (al_tetrahedra){(uint32_t)counts[0], (uint32_t)counts[1], malloc(points_size),
+                           malloc(corners_size), memcmp(bytes, columns_magic, 8) != 0};
     if (!out->points || !out->corners) {
         status = al_fail(error, AL_IO, "out of memory for %u tetrahedra", out->count);
         goto cleanup;
@@ -160,7 +162,8 @@ cleanup:
     return status;
 }
 
-al_status al_tetrahedralise(const char *name, const al_triangles *surface, al_tetrahedra *tetrahedra, al_error *error)
+al_status al_tetrahedralise(const char *name, const al_triangles *surface, al_tetrahedra *tetrahedra,
+                            al_error *error)
 {
     exchange files = {-1, -1, -1};
     *tetrahedra = (al_tetrahedra){0};

@@ -10,7 +10,8 @@
 #include <string>
 #include <vector>
 
-namespace {
+namespace
+{
 
 struct entry {
     std::string name; /* "density", or "density[1]" where several share a name */
@@ -47,7 +48,8 @@ bool is_density(const entry &one)
 }
 
 /* The one entry that `name` means, or NULL after an error. */
-const entry *choose(const char *path, const std::string &name, const std::vector<entry> &entries, al_error *error)
+const entry *choose(const char *path, const std::string &name, const std::vector<entry> &entries,
+                    al_error *error)
 {
     const entry *found = nullptr;
     size_t same = 0;
@@ -64,10 +66,12 @@ const entry *choose(const char *path, const std::string &name, const std::vector
     }
     if (same > 1) {
         al_fail(error, AL_BAD_INPUT, "%s: several grids are %s; choose one by name, or name[i]: %s", path,
-                name.empty() ? "float densities" : ("named \"" + name + "\"").c_str(), describe(entries).c_str());
+                name.empty() ? "float densities" : ("named \"" + name + "\"").c_str(),
+                describe(entries).c_str());
         return nullptr;
     }
-    if (!found && name.empty() && entries.size() == 1) found = &entries[0]; /* is_density says below what is wrong */
+    if (!found && name.empty() && entries.size() == 1)
+        found = &entries[0]; /* is_density says below what is wrong */
     if (!found)
         al_fail(error, AL_BAD_INPUT, "%s: no %s; the file has %s", path,
                 name.empty() ? "float density" : ("grid is named \"" + name + "\"").c_str(),
@@ -78,8 +82,9 @@ const entry *choose(const char *path, const std::string &name, const std::vector
 al_status refuse_kind(const char *path, const entry &one, const std::vector<entry> &entries, al_error *error)
 {
     const bool level_set = one.facts->getGridClass() == openvdb::GRID_LEVEL_SET;
-    return al_fail(error, AL_BAD_INPUT, "%s: grid \"%s\" is %s; a float fog volume is right, the file has %s", path,
-                   one.name.c_str(), level_set ? "a level set" : ("of type " + one.facts->valueType()).c_str(),
+    return al_fail(error, AL_BAD_INPUT, "%s: grid \"%s\" is %s; a float fog volume is right, the file has %s",
+                   path, one.name.c_str(),
+                   level_set ? "a level set" : ("of type " + one.facts->valueType()).c_str(),
                    describe(entries).c_str());
 }
 
@@ -108,9 +113,11 @@ al_status copy_values(const char *path, const openvdb::FloatGrid &source, const 
                 const float value = voxels.getValue(openvdb::Coord(x, y, z));
                 if (!(value >= 0 && std::isfinite(value))) {
                     const openvdb::Vec3d where = source.indexToWorld(openvdb::Vec3d(x, y, z));
-                    return al_fail(error, AL_BAD_INPUT, "%s: grid \"%s\" is %g in voxel (%d, %d, %d), at (%.6g, %.6g, "
-                                                        "%.6g); a finite density of 0 or more is right",
-                                   path, source.getName().c_str(), value, x, y, z, where.x(), where.y(), where.z());
+                    return al_fail(error, AL_BAD_INPUT,
+                                   "%s: grid \"%s\" is %g in voxel (%d, %d, %d), at (%.6g, %.6g, "
+                                   "%.6g); a finite density of 0 or more is right",
+                                   path, source.getName().c_str(), value, x, y, z, where.x(), where.y(),
+                                   where.z());
                 }
                 out.values[at] = value;
                 if (value > out.largest) out.largest = value;
@@ -118,12 +125,13 @@ al_status copy_values(const char *path, const openvdb::FloatGrid &source, const 
     return AL_OK;
 }
 
-al_status read_dense(const char *path, const openvdb::FloatGrid &source, uint64_t size_limit, al_vdb_grid &out,
-                     al_error *error)
+al_status read_dense(const char *path, const openvdb::FloatGrid &source, uint64_t size_limit,
+                     al_vdb_grid &out, al_error *error)
 {
     const std::string name = source.getName();
     if (!source.transform().isLinear())
-        return al_fail(error, AL_BAD_INPUT, "%s: grid \"%s\" has a perspective transform; an affine one is right", path,
+        return al_fail(error, AL_BAD_INPUT,
+                       "%s: grid \"%s\" has a perspective transform; an affine one is right", path,
                        name.c_str());
     const openvdb::CoordBBox box = source.evalActiveVoxelBoundingBox();
     if (box.empty())
@@ -135,8 +143,9 @@ al_status read_dense(const char *path, const openvdb::FloatGrid &source, uint64_
         bytes *= edge;
     }
     if (bytes > static_cast<double>(size_limit))
-        return al_fail(error, AL_BAD_INPUT, "%s: grid \"%s\" spans %u x %u x %u voxels, %.0f MiB as floats; at most "
-                                            "%llu MiB are right: resample or crop it",
+        return al_fail(error, AL_BAD_INPUT,
+                       "%s: grid \"%s\" spans %u x %u x %u voxels, %.0f MiB as floats; at most "
+                       "%llu MiB are right: resample or crop it",
                        path, name.c_str(), out.size[0], out.size[1], out.size[2], bytes / 1048576,
                        static_cast<unsigned long long>(size_limit >> 20));
     affine(source.transform(), box.min(), out.index_to_world);
@@ -147,7 +156,8 @@ al_status read_dense(const char *path, const openvdb::FloatGrid &source, uint64_
     return copy_values(path, source, box, out, error);
 }
 
-al_status read_grid(const char *path, const char *grid_name, uint64_t size_limit, al_vdb_grid &out, al_error *error)
+al_status read_grid(const char *path, const char *grid_name, uint64_t size_limit, al_vdb_grid &out,
+                    al_error *error)
 {
     openvdb::initialize();
     openvdb::io::File file(path);
@@ -163,8 +173,8 @@ al_status read_grid(const char *path, const char *grid_name, uint64_t size_limit
 
 } // namespace
 
-extern "C" al_status al_vdb_read(const char *path, const char *grid_name, uint64_t size_limit, al_vdb_grid *grid,
-                                 al_error *error)
+extern "C" al_status al_vdb_read(const char *path, const char *grid_name, uint64_t size_limit,
+                                 al_vdb_grid *grid, al_error *error)
 {
     al_status status;
     *grid = al_vdb_grid{};

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-namespace {
+namespace
+{
 
 struct crossing {
     uint64_t column;
@@ -43,16 +44,19 @@ bool is_left(const double *points, uint32_t a, uint32_t b, double x, double y)
     return swapped ? side < 0 : side >= 0;
 }
 
-void cross_triangle(const surface &from, const uint32_t *corners, const field &columns, std::vector<crossing> &out)
+void cross_triangle(const surface &from, const uint32_t *corners, const field &columns,
+                    std::vector<crossing> &out)
 {
     const double *p[3];
     int64_t first[2], last[2];
     for (int k = 0; k < 3; k++) p[k] = from.points.data() + size_t{3} * corners[k];
     for (int i = 0; i < 2; i++) {
-        const double low = std::min({p[0][i], p[1][i], p[2][i]}), high = std::max({p[0][i], p[1][i], p[2][i]});
-        first[i] = std::max<int64_t>(0, std::llround(std::floor((low - columns.origin[i]) / columns.edge)) - 1);
-        last[i] = std::min(columns.count[i] - 1,
-                           static_cast<int64_t>(std::llround(std::ceil((high - columns.origin[i]) / columns.edge))));
+        const double low = std::min({p[0][i], p[1][i], p[2][i]}),
+                     high = std::max({p[0][i], p[1][i], p[2][i]});
+        first[i] =
+            std::max<int64_t>(0, std::llround(std::floor((low - columns.origin[i]) / columns.edge)) - 1);
+        last[i] = std::min(columns.count[i] - 1, static_cast<int64_t>(std::llround(
+                                                     std::ceil((high - columns.origin[i]) / columns.edge))));
     }
     const double area = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]);
     for (int64_t row = first[1]; row <= last[1]; row++)
@@ -64,10 +68,12 @@ void cross_triangle(const surface &from, const uint32_t *corners, const field &c
                 is_left(from.points.data(), corners[2], corners[0], x, y) != left)
                 continue;
             /* barycentric in the plane; a triangle seen edge-on is met in at most a tie: take its middle */
-            const double b = area ? ((x - p[0][0]) * (p[2][1] - p[0][1]) - (y - p[0][1]) * (p[2][0] - p[0][0])) / area
-                                  : 1.0 / 3;
-            const double c = area ? ((p[1][0] - p[0][0]) * (y - p[0][1]) - (p[1][1] - p[0][1]) * (x - p[0][0])) / area
-                                  : 1.0 / 3;
+            const double b =
+                area ? ((x - p[0][0]) * (p[2][1] - p[0][1]) - (y - p[0][1]) * (p[2][0] - p[0][0])) / area
+                     : 1.0 / 3;
+            const double c =
+                area ? ((p[1][0] - p[0][0]) * (y - p[0][1]) - (p[1][1] - p[0][1]) * (x - p[0][0])) / area
+                     : 1.0 / 3;
             const double z = p[0][2] + b * (p[1][2] - p[0][2]) + c * (p[2][2] - p[0][2]);
             out.push_back({static_cast<uint64_t>(row * columns.count[0] + column), z, left ? -1 : 1});
         }
@@ -75,7 +81,8 @@ void cross_triangle(const surface &from, const uint32_t *corners, const field &c
 
 void add_box(const field &columns, uint64_t column, double bottom, double top, surface &out)
 {
-    static const uint8_t corners[5][4] = {{1, 2, 4, 7}, {0, 1, 2, 4}, {3, 2, 1, 7}, {5, 4, 7, 1}, {6, 7, 4, 2}};
+    static const uint8_t corners[5][4] = {
+        {1, 2, 4, 7}, {0, 1, 2, 4}, {3, 2, 1, 7}, {5, 4, 7, 1}, {6, 7, 4, 2}};
     const uint32_t first = static_cast<uint32_t>(out.points.size() / 3);
     const double x = columns.origin[0] + static_cast<double>(column % columns.count[0]) * columns.edge;
     const double y = columns.origin[1] + static_cast<double>(column / columns.count[0]) * columns.edge;
@@ -95,7 +102,8 @@ surface fill_with_columns(const surface &from, uint32_t resolution)
     const field columns = lay_out(from, resolution);
     std::vector<crossing> crossings;
     surface out;
-    for (size_t t = 0; t < from.corners.size(); t += 3) cross_triangle(from, &from.corners[t], columns, crossings);
+    for (size_t t = 0; t < from.corners.size(); t += 3)
+        cross_triangle(from, &from.corners[t], columns, crossings);
     std::sort(crossings.begin(), crossings.end(), [](const crossing &a, const crossing &b) {
         if (a.column != b.column) return a.column < b.column;
         return a.z != b.z ? a.z < b.z : a.step > b.step;

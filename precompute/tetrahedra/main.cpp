@@ -33,7 +33,8 @@
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "arrays are read and written as they lie in memory");
 
-namespace {
+namespace
+{
 
 struct header {
     char magic[8];
@@ -91,7 +92,8 @@ void fill_input(const surface &from, tetgenio &in) /* tetgenio frees with delete
         tetgenio::init(facet.polygonlist);
         facet.polygonlist->numberofvertices = 3;
         facet.polygonlist->vertexlist = new int[3];
-        for (int k = 0; k < 3; k++) facet.polygonlist->vertexlist[k] = static_cast<int>(from.corners[i * 3 + k]);
+        for (int k = 0; k < 3; k++)
+            facet.polygonlist->vertexlist[k] = static_cast<int>(from.corners[i * 3 + k]);
     }
 }
 
@@ -113,8 +115,8 @@ double winding(const surface &from, const double point[3])
         const double triple = v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) +
                               v[0][1] * (v[1][2] * v[2][0] - v[1][0] * v[2][2]) +
                               v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
-        sum += 2 * std::atan2(triple, length[0] * length[1] * length[2] + dot[0] * length[2] + dot[1] * length[0] +
-                                          dot[2] * length[1]);
+        sum += 2 * std::atan2(triple, length[0] * length[1] * length[2] + dot[0] * length[2] +
+                                          dot[1] * length[0] + dot[2] * length[1]);
     }
     return sum / (4 * 3.14159265358979323846);
 }
@@ -127,19 +129,21 @@ double volume6(const tetgenio &mesh, const int *corners)
     double e[3][3];
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 3; i++) e[k][i] = p[k + 1][i] - p[0][i];
-    return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) + e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
+    return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
+           e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
            e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
 }
 
-/* TetGen numbers the regions that facets separate (switch A); a region is inside when the surface winds around
- * its largest tetrahedron's centre. */
+/* TetGen numbers the regions that facets separate (switch A); a region is inside when the surface winds
+ * around its largest tetrahedron's centre. */
 std::map<int, bool> find_interior(const surface &from, const tetgenio &mesh)
 {
     std::map<int, int> largest;
     for (int t = 0; t < mesh.numberoftetrahedra; t++) {
         const int region = static_cast<int>(mesh.tetrahedronattributelist[t]);
         auto known = largest.find(region);
-        if (known == largest.end()) largest[region] = t;
+        if (known == largest.end())
+            largest[region] = t;
         else if (std::fabs(volume6(mesh, mesh.tetrahedronlist + t * size_t{4})) >
                  std::fabs(volume6(mesh, mesh.tetrahedronlist + known->second * size_t{4})))
             known->second = t;
@@ -230,20 +234,30 @@ int work_with_columns(const surface &from, FILE *out)
     const uint32_t resolution = 256;
     const surface filled = fill_with_columns(from, resolution);
     if (filled.corners.empty()) return NO_INTERIOR;
-    return write_mesh(out, "ALTETCO1", filled.points.data(), filled.points.size() / 3, filled.corners) ?
-               0 : FAILED_TO_WRITE;
+    return write_mesh(out, "ALTETCO1", filled.points.data(), filled.points.size() / 3, filled.corners)
+               ? 0
+               : FAILED_TO_WRITE;
 }
 
 al_status explain(int code, const char *name, al_error *error)
 {
     switch (code) {
-    case 0: return AL_OK;
-    case OUT_OF_MEMORY: return al_fail(error, AL_IO, "%s: out of memory", name);
-    case FAILED_TO_WRITE: return al_fail(error, AL_IO, "%s: the tetrahedra cannot be written", name);
-    case NO_INTERIOR: return al_fail(error, AL_BAD_INPUT, "%s: there is nothing inside; a closed surface that faces "
-                                                          "outwards is right", name);
-    default: return al_fail(error, AL_BAD_INPUT, "%s: TetGen ended with %d; points that do not all lie in one plane "
-                                                 "are right", name, code);
+    case 0:
+        return AL_OK;
+    case OUT_OF_MEMORY:
+        return al_fail(error, AL_IO, "%s: out of memory", name);
+    case FAILED_TO_WRITE:
+        return al_fail(error, AL_IO, "%s: the tetrahedra cannot be written", name);
+    case NO_INTERIOR:
+        return al_fail(error, AL_BAD_INPUT,
+                       "%s: there is nothing inside; a closed surface that faces "
+                       "outwards is right",
+                       name);
+    default:
+        return al_fail(error, AL_BAD_INPUT,
+                       "%s: TetGen ended with %d; points that do not all lie in one plane "
+                       "are right",
+                       name, code);
     }
 }
 
@@ -258,11 +272,13 @@ al_status run(const char *input, const char *output, bool verbose, al_error *err
     if (input) std::fclose(in);
     if (!good) return al_fail(error, AL_BAD_INPUT, "%s: %s", name, problem.c_str());
     if (from.corners.empty() && from.points.size() < 12)
-        return al_fail(error, AL_BAD_INPUT, "%s: has %zu points; at least 4 are right", name, from.points.size() / 3);
+        return al_fail(error, AL_BAD_INPUT, "%s: has %zu points; at least 4 are right", name,
+                       from.points.size() / 3);
     FILE *out = output ? std::fopen(output, "wb") : stdout;
     if (!out) return al_fail_errno(error, output, "open");
     int code = work_in_child(from, out, verbose);
-    if (code > OUT_OF_MEMORY && code < FAILED_TO_WRITE && !from.corners.empty()) code = work_with_columns(from, out);
+    if (code > OUT_OF_MEMORY && code < FAILED_TO_WRITE && !from.corners.empty())
+        code = work_with_columns(from, out);
     if (output) std::fclose(out);
     const al_status status = explain(code, name, error);
     if (status && output) std::remove(output);
@@ -280,8 +296,9 @@ int main(int argc, char **argv)
     al_program program = {};
     program.name = "airlight-tetrahedra";
     program.usage = "[IN] [-o OUT]";
-    program.summary = "Fills a closed surface with tetrahedra (TetGen); without triangles, makes the Delaunay mesh of "
-                      "the points. Binary in, binary out: see the source. The bake starts it.";
+    program.summary =
+        "Fills a closed surface with tetrahedra (TetGen); without triangles, makes the Delaunay mesh of "
+        "the points. Binary in, binary out: see the source. The bake starts it.";
     program.options = options;
     program.option_count = 1;
     const int code = al_program_parse(&program, argc, argv, input, 0, 1, &input_count);

@@ -1,15 +1,18 @@
-/* Densities: grids against an evaluation of our own, their boxes, transforms and refusals; layers; constants. */
+/* Densities: grids against an evaluation of our own, their boxes, transforms and refusals; layers; constants.
+ */
 #include <math.h>
 
 #include "density.h"
 #include "files.h"
 #include "vdb_writer.h"
 
-static al_status open_density(const char *density, al_scene_description **scene, al_density **out, al_error *error)
+static al_status open_density(const char *density, al_scene_description **scene, al_density **out,
+                              al_error *error)
 {
     char json[2048];
     *out = NULL;
-    snprintf(json, sizeof json, "{\"media\": [{\"name\": \"m\", \"sigma_s_per_m\": 1,\n \"density\": {%s}}]}", density);
+    snprintf(json, sizeof json, "{\"media\": [{\"name\": \"m\", \"sigma_s_per_m\": 1,\n \"density\": {%s}}]}",
+             density);
     write_text("density_test.json", json);
     al_status status = al_scene_description_read("density_test.json", AL_QUALITY_PREVIEW, scene, error);
     return status ? status : al_density_open(*scene, &(*scene)->media[0], out, error);
@@ -22,8 +25,10 @@ static double density_at(const char *density, double x, double y, double z)
     al_density *made;
     al_error error;
     double value = -1;
-    if (open_density(density, &scene, &made, &error)) fprintf(stderr, "%s\n", error.message);
-    else value = al_density_at(made, (double[3]){x, y, z});
+    if (open_density(density, &scene, &made, &error))
+        fprintf(stderr, "%s\n", error.message);
+    else
+        value = al_density_at(made, (double[3]){x, y, z});
     al_density_free(made);
     al_scene_description_free(scene);
     return value;
@@ -49,7 +54,8 @@ static double clamp(double x, double low, double high)
     return x < low ? low : x > high ? high : x;
 }
 
-/* The definition, written as the sum over eight corners. Voxel (0,0,0) is at (-2, 7, 1) in the file's index. */
+/* The definition, written as the sum over eight corners. Voxel (0,0,0) is at (-2, 7, 1) in the file's index.
+ */
 static double expected_at(const double index[3])
 {
     const int size[3] = {NX, NY, NZ}, first[3] = {-2, 7, 1};
@@ -127,7 +133,8 @@ static void compare_grid(const char *density, const double to_world[16], double 
             index[i] = (double)(state >> 8) / (1 << 24) * 8 + (i == 0 ? -4 : i == 1 ? 5 : -1);
         }
         for (int i = 0; i < 3; i++)
-            world[i] = to_world[i] * index[0] + to_world[4 + i] * index[1] + to_world[8 + i] * index[2] + to_world[12 + i];
+            world[i] = to_world[i] * index[0] + to_world[4 + i] * index[1] + to_world[8 + i] * index[2] +
+                       to_world[12 + i];
         double value = al_density_at(made, world);
         CHECK_NEAR(value, scale * expected_at(index), scale * 1e-12);
         largest = fmax(largest, value);
@@ -143,11 +150,13 @@ static void test_grids(void)
     double moved[16];
     compare_grid("\"type\": \"grid\", \"file\": \"grids.vdb\", \"grid\": \"straight\"", identity, 1);
     compare_grid("\"type\": \"grid\", \"file\": \"half.vdb\"", identity, 1);
-    compare_grid("\"type\": \"grid\", \"file\": \"grids.vdb\", \"grid\": \"slanted\", \"scale\": 2.5", slanted, 2.5);
+    compare_grid("\"type\": \"grid\", \"file\": \"grids.vdb\", \"grid\": \"slanted\", \"scale\": 2.5",
+                 slanted, 2.5);
     for (int i = 0; i < 16; i++) moved[i] = i % 4 == 3 ? slanted[i] : slanted[i] * 0.1; /* then x -> x + 1 */
     moved[12] += 1;
     compare_grid("\"type\": \"grid\", \"file\": \"grids.vdb\", \"grid\": \"slanted\", \"unit_m\": 0.1, "
-                 "\"transform\": {\"translate_m\": [1, 0, 0]}", moved, 1);
+                 "\"transform\": {\"translate_m\": [1, 0, 0]}",
+                 moved, 1);
 }
 
 static void test_bounds(void)
@@ -175,18 +184,26 @@ static void test_choice(void)
     CHECK(density_at("\"type\": \"grid\", \"file\": \"one.vdb\", \"grid\": \"density[0]\"", 2, 0, 0) == 1);
     CHECK(density_at("\"type\": \"grid\", \"file\": \"one.vdb\"", 2, 0, 0) == 1); /* the only float grid */
 #define GRID(file, more) "\"type\": \"grid\", \"file\": \"" file "\"" more
-    refuse(GRID("same.vdb", ", \"grid\": \"density\""), "same.vdb: several grids are named \"density\"|name[i]|"
+    refuse(GRID("same.vdb", ", \"grid\": \"density\""),
+           "same.vdb: several grids are named \"density\"|name[i]|"
            "\"density[0]\" (float, fog volume), \"density[1]\" (float, fog volume), \"other\" (vec3s");
-    refuse(GRID("same.vdb", ", \"grid\": \"density[2]\""), "same.vdb: no grid is named \"density[2]\"|\"density[1]\"");
+    refuse(GRID("same.vdb", ", \"grid\": \"density[2]\""),
+           "same.vdb: no grid is named \"density[2]\"|\"density[1]\"");
     refuse(GRID("same.vdb", ", \"grid\": \"smoke\""), "same.vdb: no grid is named \"smoke\"; the file has");
-    refuse(GRID("two.vdb", ""), "two.vdb: several grids are float densities; choose one|\"density\"|\"huge\"");
-    refuse(GRID("same.vdb", ", \"grid\": \"other\""), "same.vdb: grid \"other\" is of type vec3s; a float fog volume");
-    refuse(GRID("vector.vdb", ""), "vector.vdb: grid \"other\" is of type vec3s; a float fog volume is right");
-    refuse(GRID("level_set.vdb", ""), "level_set.vdb: grid \"shape\" is a level set; a float fog volume is right");
-    refuse(GRID("frustum.vdb", ""), "frustum.vdb: grid \"frustum\" has a perspective transform; an affine one");
+    refuse(GRID("two.vdb", ""),
+           "two.vdb: several grids are float densities; choose one|\"density\"|\"huge\"");
+    refuse(GRID("same.vdb", ", \"grid\": \"other\""),
+           "same.vdb: grid \"other\" is of type vec3s; a float fog volume");
+    refuse(GRID("vector.vdb", ""),
+           "vector.vdb: grid \"other\" is of type vec3s; a float fog volume is right");
+    refuse(GRID("level_set.vdb", ""),
+           "level_set.vdb: grid \"shape\" is a level set; a float fog volume is right");
+    refuse(GRID("frustum.vdb", ""),
+           "frustum.vdb: grid \"frustum\" has a perspective transform; an affine one");
     refuse(GRID("nothing.vdb", ""), "nothing.vdb: grid \"nothing\" has no active voxels");
     refuse(GRID("zero.vdb", ""), "density_test.json:1: medium \"m\": the grid in zero.vdb is 0 everywhere");
-    refuse(GRID("negative.vdb", ""), "negative.vdb: grid \"density\" is -0.5 in voxel (5, 5, 6), at (5, 5, 6)");
+    refuse(GRID("negative.vdb", ""),
+           "negative.vdb: grid \"density\" is -0.5 in voxel (5, 5, 6), at (5, 5, 6)");
     refuse(GRID("nan.vdb", ""), "nan.vdb: grid \"density\" is nan in voxel (5, 5, 6)");
     refuse(GRID("infinite.vdb", ""), "infinite.vdb: grid \"density\" is inf in voxel (4, 5, 6)");
     refuse(GRID("none.vdb", ""), "none.vdb: cannot be read as OpenVDB:");
@@ -198,13 +215,15 @@ static void test_size_limit(void)
 {
     const vdb_grid far = {"far", VDB_CORNERS, {0, 0, 0}, {2000, 700, 200}, NULL, 0, {0}};
     vdb_write("far.vdb", &far, 1);
-    refuse(GRID("far.vdb", ""), "far.vdb: grid \"far\" spans 2000 x 700 x 200 voxels, 1068 MiB as floats; at most 1024 MiB");
+    refuse(GRID("far.vdb", ""),
+           "far.vdb: grid \"far\" spans 2000 x 700 x 200 voxels, 1068 MiB as floats; at most 1024 MiB");
 }
 
 static void test_layers(void)
 {
-    const char *const layers = "\"type\": \"layers\", \"axis\": [0, 0, 3], \"period_m\": 0.5, \"thickness_m\": 0.2, "
-                               "\"offset_m\": 0.1, \"low\": 0.25, \"high\": 2, \"scale\": 3";
+    const char *const layers =
+        "\"type\": \"layers\", \"axis\": [0, 0, 3], \"period_m\": 0.5, \"thickness_m\": 0.2, "
+        "\"offset_m\": 0.1, \"low\": 0.25, \"high\": 2, \"scale\": 3";
     const double z[7] = {0.1001, 0.2999, 0.3001, 0.5999, 0.6001, -0.3, -0.1};
     const double value[7] = {6, 6, 0.75, 0.75, 6, 6, 0.75}; /* layers at [0.1, 0.3) + 0.5 n */
     al_scene_description *scene = NULL;
@@ -219,7 +238,8 @@ static void test_layers(void)
     }
     al_density_free(made);
     al_scene_description_free(scene);
-    refuse("\"type\": \"layers\", \"period_m\": 1, \"thickness_m\": 0", "medium \"m\" has density 0 everywhere");
+    refuse("\"type\": \"layers\", \"period_m\": 1, \"thickness_m\": 0",
+           "medium \"m\" has density 0 everywhere");
 }
 
 static void test_constant(void)
@@ -234,7 +254,8 @@ static void test_constant(void)
     }
     al_density_free(made);
     al_scene_description_free(scene);
-    const char *const box = "\"type\": \"constant\", \"bounds_min_m\": [0, 0, 0], \"bounds_max_m\": [1, 1, 1]";
+    const char *const box =
+        "\"type\": \"constant\", \"bounds_min_m\": [0, 0, 0], \"bounds_max_m\": [1, 1, 1]";
     CHECK(density_at(box, 0.5, 0.5, 1) == 1);
     CHECK(density_at(box, 0.5, 0.5, 1.001) == 0);
 }

@@ -14,15 +14,16 @@ static void project(uint32_t width, uint32_t height, const float *pixels, float 
     CHECK(al_environment_project(width, height, pixels, sh, &error) == AL_OK);
 }
 
-/* A constant sky L has the coefficients sqrt(4 pi) L, 0, 0, ...: whatever its pixels, as the projection is exact.
- * Bound: float output. */
+/* A constant sky L has the coefficients sqrt(4 pi) L, 0, 0, ...: whatever its pixels, as the projection is
+ * exact. Bound: float output. */
 static void test_constant(uint32_t width, uint32_t height)
 {
     float *pixels = malloc((size_t)width * height * 3 * sizeof *pixels), sh[3][COUNT];
     for (size_t i = 0; pixels && i < (size_t)width * height * 3; i++) pixels[i] = (float)(i % 3) + 0.5f;
     project(width, height, pixels, sh);
     for (int c = 0; c < 3; c++)
-        for (int k = 0; k < COUNT; k++) CHECK_NEAR(sh[c][k], k ? 0 : sqrt(4 * AL_PI) * (c + 0.5), 1e-6 * (c + 0.5));
+        for (int k = 0; k < COUNT; k++)
+            CHECK_NEAR(sh[c][k], k ? 0 : sqrt(4 * AL_PI) * (c + 0.5), 1e-6 * (c + 0.5));
     free(pixels);
 }
 
@@ -45,7 +46,8 @@ static void test_pixel(uint32_t column, uint32_t row)
     pixels[(row * WIDTH + column) * 3 + 1] = 1;
     project(WIDTH, HEIGHT, pixels, sh);
     for (int i = 0; i < STEPS * STEPS; i++) {
-        double u = (column + (i % STEPS + 0.5) / STEPS) / WIDTH, v = (row + (i / STEPS + 0.5) / STEPS) / HEIGHT;
+        double u = (column + (i % STEPS + 0.5) / STEPS) / WIDTH,
+               v = (row + (i / STEPS + 0.5) / STEPS) / HEIGHT;
         double cell = 2 * AL_PI / WIDTH / STEPS * AL_PI / HEIGHT / STEPS * sin(AL_PI * v);
         direction_of(u, v, direction);
         al_sh_basis(AL_ENVIRONMENT_ORDER, direction[0], direction[1], direction[2], basis);
@@ -63,7 +65,8 @@ static void test_pixel(uint32_t column, uint32_t row)
 static void write_hdr(const char *path, int width, int height, const unsigned char (*pixels)[4])
 {
     char head[128];
-    int size = snprintf(head, sizeof head, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n", height, width);
+    int size =
+        snprintf(head, sizeof head, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n", height, width);
     FILE *file = fopen(path, "wb");
     fwrite(head, 1, (size_t)size, file);
     fwrite(pixels, 4, (size_t)(width * height), file);
@@ -120,7 +123,8 @@ static void test_sky(void)
         const al_environment *e = &import->scene.environment;
         CHECK(e->width == 1 && e->height == 1 && e->pixels[2] == 6);
         for (int c = 0; c < 3; c++)
-            for (int k = 0; k < COUNT; k++) CHECK_NEAR(e->sh[c][k], k ? 0 : sqrt(4 * AL_PI) * 2 * (c + 1), 4e-6);
+            for (int k = 0; k < COUNT; k++)
+                CHECK_NEAR(e->sh[c][k], k ? 0 : sqrt(4 * AL_PI) * 2 * (c + 1), 4e-6);
     }
     al_import_free(import);
     import = import_environment("\"radiance_w_m2_sr\": 0");
@@ -143,19 +147,18 @@ static void refuse(const char *environment, const char *parts)
 /* An uncompressed OpenEXR file of 2 x 1 float pixels: https://openexr.com/en/latest/OpenEXRFileLayout.html */
 static void write_exr(const char *path, const float rgb[2][3])
 {
-    static const char head[] =
-        "\x76\x2f\x31\x01\x02\0\0\0"
-        "channels\0chlist\0\x37\0\0\0"
-        "B\0\x02\0\0\0\0\0\0\0\x01\0\0\0\x01\0\0\0"
-        "G\0\x02\0\0\0\0\0\0\0\x01\0\0\0\x01\0\0\0"
-        "R\0\x02\0\0\0\0\0\0\0\x01\0\0\0\x01\0\0\0\0"
-        "compression\0compression\0\x01\0\0\0\0"
-        "dataWindow\0box2i\0\x10\0\0\0\0\0\0\0\0\0\0\0\x01\0\0\0\0\0\0\0"
-        "displayWindow\0box2i\0\x10\0\0\0\0\0\0\0\0\0\0\0\x01\0\0\0\0\0\0\0"
-        "lineOrder\0lineOrder\0\x01\0\0\0\0"
-        "pixelAspectRatio\0float\0\x04\0\0\0\0\0\x80\x3f"
-        "screenWindowCenter\0v2f\0\x08\0\0\0\0\0\0\0\0\0\0\0"
-        "screenWindowWidth\0float\0\x04\0\0\0\0\0\x80\x3f";
+    static const char head[] = "\x76\x2f\x31\x01\x02\0\0\0"
+                               "channels\0chlist\0\x37\0\0\0"
+                               "B\0\x02\0\0\0\0\0\0\0\x01\0\0\0\x01\0\0\0"
+                               "G\0\x02\0\0\0\0\0\0\0\x01\0\0\0\x01\0\0\0"
+                               "R\0\x02\0\0\0\0\0\0\0\x01\0\0\0\x01\0\0\0\0"
+                               "compression\0compression\0\x01\0\0\0\0"
+                               "dataWindow\0box2i\0\x10\0\0\0\0\0\0\0\0\0\0\0\x01\0\0\0\0\0\0\0"
+                               "displayWindow\0box2i\0\x10\0\0\0\0\0\0\0\0\0\0\0\x01\0\0\0\0\0\0\0"
+                               "lineOrder\0lineOrder\0\x01\0\0\0\0"
+                               "pixelAspectRatio\0float\0\x04\0\0\0\0\0\x80\x3f"
+                               "screenWindowCenter\0v2f\0\x08\0\0\0\0\0\0\0\0\0\0\0"
+                               "screenWindowWidth\0float\0\x04\0\0\0\0\0\x80\x3f";
     unsigned char bytes[sizeof head + 8 + 8 + 24];
     size_t at = sizeof head; /* with the terminator: the header's end */
     memcpy(bytes, head, sizeof head);
@@ -186,7 +189,8 @@ static void test_exr(void)
     al_import_free(import);
     refuse("\"file\": \"nan.exr\"", "nan.exr: pixel (1, 0), counted from the upper left, channel G is nan");
     refuse("\"file\": \"inf.exr\"", "inf.exr: pixel (0, 0), counted from the upper left, channel R is inf");
-    refuse("\"file\": \"negative.exr\"", "negative.exr: pixel (1, 0), counted from the upper left, channel B is -0.5");
+    refuse("\"file\": \"negative.exr\"",
+           "negative.exr: pixel (1, 0), counted from the upper left, channel B is -0.5");
     refuse("\"file\": \"none.exr\"", "none.exr: cannot open: No such file or directory");
     refuse("\"file\": \"sky.tiff\"", "sky.tiff: unknown kind of environment map; .exr or .hdr is right");
     write_text("junk.exr", "junk");

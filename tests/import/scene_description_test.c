@@ -34,7 +34,8 @@ static void test_refusals(void)
     refuse("{\"unit_m\": NaN}", "1: not valid JSON: invalid token near 'NaN'");
     refuse("{\"unit_m\": 1,\n \"unit_m\": 2}", "2: not valid JSON: duplicate object key near '\"unit_m\"'");
     refuse("[]", "1: the scene: is not an object; {...} is right");
-    refuse("{\n\n  \"colour\": 1}", "3: colour: unknown key; known here: $schema, comment, unit_m, meshes, materials, "
+    refuse("{\n\n  \"colour\": 1}",
+           "3: colour: unknown key; known here: $schema, comment, unit_m, meshes, materials, "
            "lights, environment, cameras, media, translucents, bake, play");
     refuse("{\"unit_m\": 0}", "1: unit_m: is 0; a number from 1e-09 to 1000000000 is right");
     refuse("{\"unit_m\": -1}", "1: unit_m: is -1; a number from 1e-09 to 1000000000 is right");
@@ -43,35 +44,45 @@ static void test_refusals(void)
     refuse("{\"meshes\": [7]}", "1: meshes[0]: is not an object; {...} is right");
     refuse("{\"meshes\": [\n {\"name\": \"a\", \"file\": \"a.obj\"},\n {\"file\": \"b.obj\"}]}",
            "3: meshes[1]: \"name\" is missing");
-    refuse("{\"meshes\": [\n {\"name\": \"a\", \"file\": \"a.obj\"},\n {\"name\": \"a\", \"file\": \"b.obj\"}]}",
-           "3: meshes[1]: the name \"a\" is taken by element 0; names must differ");
+    refuse(
+        "{\"meshes\": [\n {\"name\": \"a\", \"file\": \"a.obj\"},\n {\"name\": \"a\", \"file\": \"b.obj\"}]}",
+        "3: meshes[1]: the name \"a\" is taken by element 0; names must differ");
     refuse("{\"meshes\": [{\"name\": \"a\"}]}",
            "1: meshes[0]: has neither \"file\" nor \"shape\"; give either \"file\" or \"shape\"");
-    refuse("{\"meshes\": [{\"name\": \"\", \"file\": \"a\"}]}", "1: meshes[0].name: is \"\"; a text is right");
-    refuse("{\"meshes\": [{\"name\": \"a\\nb\", \"file\": \"a\"}]}", "1: meshes[0].name: is \"a\\nb\"; a text is right");
+    refuse("{\"meshes\": [{\"name\": \"\", \"file\": \"a\"}]}",
+           "1: meshes[0].name: is \"\"; a text is right");
+    refuse("{\"meshes\": [{\"name\": \"a\\nb\", \"file\": \"a\"}]}",
+           "1: meshes[0].name: is \"a\\nb\"; a text is right");
     refuse("{\"meshes\": [{\"name\": \"a\", \"file\": \"a.obj\", \"hidden\": 1}]}",
            "1: meshes[0].hidden: is 1; true or false is right");
     refuse("{\"meshes\": [{\"name\": \"a\", \"file\": \"a.obj\", \"material\": \"m\"}]}",
            "1: meshes[0]: no material is named \"m\"; name one of \"materials\"");
-    refuse("{\"meshes\": [{\"name\": \"a\", \"file\": \"a.obj\",\n \"transform\": {\"scale\":\n [1, 0, 1]}}]}",
-           "2: meshes[0].transform: squeezes space flat (determinant 0); every scale must differ from 0");
+    refuse(
+        "{\"meshes\": [{\"name\": \"a\", \"file\": \"a.obj\",\n \"transform\": {\"scale\":\n [1, 0, 1]}}]}",
+        "2: meshes[0].transform: squeezes space flat (determinant 0); every scale must differ from 0");
     refuse("{\"meshes\": [{\"name\": \"a\", \"file\": \"a.obj\", \"transform\": {\"matrix\": [1, 2]}}]}",
-           "1: meshes[0].transform.matrix: is [1, 2]; a list of 16 numbers from -1000000000 to 1000000000 is right");
+           "1: meshes[0].transform.matrix: is [1, 2]; a list of 16 numbers from -1000000000 to 1000000000 is "
+           "right");
     refuse("{\"meshes\": [{\"name\": \"a\", \"file\": \"a.obj\", \"transform\": "
            "{\"matrix\": [1,0,0,5, 0,1,0,0, 0,0,1,0, 0,0,0,1]}}]}",
-           "1: meshes[0].transform: matrix is projective or not column-major; elements 4, 8, 12 must be 0 and element "
+           "1: meshes[0].transform: matrix is projective or not column-major; elements 4, 8, 12 must be 0 "
+           "and element "
            "16 must be 1");
     refuse("{\"meshes\": [{\"name\": \"a\", \"shape\": {\"type\": \"cone\"}}]}",
            "1: meshes[0].shape.type: is \"cone\"; one of sphere|box|plane|torus is right");
     refuse("{\"meshes\": [{\"name\": \"a\", \"shape\": {\"type\": \"box\", \"radius_m\": 1}}]}",
            "1: meshes[0].shape: \"radius_m\" does not go with \"box\"; these do: type|size_m");
     refuse("{\"meshes\": [{\"name\": \"a\", \"unit_m\": 2, \"shape\": {\"type\": \"box\"}}]}",
-           "1: meshes[0]: \"unit_m\" does not go with \"shape\"; these do: name|shape|transform|material|hidden");
+           "1: meshes[0]: \"unit_m\" does not go with \"shape\"; these do: "
+           "name|shape|transform|material|hidden");
     refuse("{\"meshes\": [{\"name\": \"a\", \"shape\": {\"type\": \"torus\", \"minor_radius_m\": 0.5}}]}",
-           "1: meshes[0].shape: minor_radius_m 0.5 is not below major_radius_m 0.35; the torus would run into itself");
+           "1: meshes[0].shape: minor_radius_m 0.5 is not below major_radius_m 0.35; the torus would run "
+           "into itself");
     refuse("{\"materials\": [{\"name\": \"m\",\n \"base_color\": [0.5, 0.5, 1.5]}]}",
-           "2: materials[0].base_color: is [0.5, 0.5, 1.5]; a number or a list of 3 numbers from 0 to 1 is right");
-    refuse("{\"lights\": [{\"type\": \"spot\"}]}", "1: lights[0].type: is \"spot\"; one of directional|point is right");
+           "2: materials[0].base_color: is [0.5, 0.5, 1.5]; a number or a list of 3 numbers from 0 to 1 is "
+           "right");
+    refuse("{\"lights\": [{\"type\": \"spot\"}]}",
+           "1: lights[0].type: is \"spot\"; one of directional|point is right");
     refuse("{\"lights\": [{\"type\": \"point\", \"position_m\": [0, 0, 0]}]}",
            "1: lights[0]: \"intensity_w_sr\" is missing; \"point\" needs it");
     refuse("{\"lights\": [{\"type\": \"directional\", \"direction\": [0, 0, 0], \"irradiance_w_m2\": 1}]}",
@@ -85,47 +96,63 @@ static void test_refusals(void)
     refuse("{\"cameras\": [{\"position_m\": [0, 1, 0], \"target_m\": [0, 0, 0]}]}",
            "1: cameras[0]: looks along its own up; choose another \"up\", such as [0, 0, -1]");
     refuse("{\"environment\": {}}", "1: environment: give either \"file\" or \"radiance_w_m2_sr\"");
-    refuse("{\"media\": [{\"name\": \"m\"}]}", "1: media[0]: has no coefficients; give either sigma_s_per_m and "
+    refuse("{\"media\": [{\"name\": \"m\"}]}",
+           "1: media[0]: has no coefficients; give either sigma_s_per_m and "
            "sigma_a_per_m, or albedo and mean_free_path_m");
     refuse("{\"media\": [{\"name\": \"m\", \"sigma_s_per_m\": 1, \"albedo\": 1}]}",
            "1: media[0]: is described twice; give either sigma_s_per_m and sigma_a_per_m, or albedo and "
            "mean_free_path_m");
-    refuse("{\"media\": [{\"name\": \"m\", \"albedo\": 0.5}]}", "1: media[0]: albedo and mean_free_path_m go together");
+    refuse("{\"media\": [{\"name\": \"m\", \"albedo\": 0.5}]}",
+           "1: media[0]: albedo and mean_free_path_m go together");
     refuse("{\"media\": [{\"name\": \"m\", \"sigma_s_per_m\": 0}]}",
            "1: media[0]: sigma_s_per_m and sigma_a_per_m are 0 everywhere: there is no medium");
     refuse("{\"media\": [{\"name\": \"m\", \"sigma_s_per_m\": 1, \"g\": 1}]}",
            "1: media[0].g: is 1; a number from -0.99 to 0.99 is right");
-    refuse("{\"media\": [{\"name\": \"m\", \"sigma_s_per_m\": 1, \"density\": {\"type\": \"constant\", \"scale\": 0}}]}",
+    refuse("{\"media\": [{\"name\": \"m\", \"sigma_s_per_m\": 1, \"density\": {\"type\": \"constant\", "
+           "\"scale\": 0}}]}",
            "1: media[0].density.scale: is 0; a number from 1e-09 to 1000000000 is right");
-    refuse("{\"media\": [{\"name\": \"m\", \"sigma_s_per_m\": 1, \"density\": {\"type\": \"constant\", \"scale\": -2}}]}",
+    refuse("{\"media\": [{\"name\": \"m\", \"sigma_s_per_m\": 1, \"density\": {\"type\": \"constant\", "
+           "\"scale\": -2}}]}",
            "1: media[0].density.scale: is -2; a number from 1e-09 to 1000000000 is right");
     refuse("{\"media\": [{\"name\": \"m\", \"sigma_s_per_m\": 1, \"density\": {\"type\": \"grid\"}}]}",
            "1: media[0].density: \"file\" is missing; \"grid\" needs it");
-    refuse("{\"media\": [{\"name\": \"m\", \"sigma_s_per_m\": 1, \"density\": {\"type\": \"layers\", \"period_m\": 1, "
-           "\"thickness_m\": 2}}]}", "1: media[0].density: thickness_m 2 exceeds period_m 1");
+    refuse("{\"media\": [{\"name\": \"m\", \"sigma_s_per_m\": 1, \"density\": {\"type\": \"layers\", "
+           "\"period_m\": 1, "
+           "\"thickness_m\": 2}}]}",
+           "1: media[0].density: thickness_m 2 exceeds period_m 1");
     refuse("{\"media\": [{\"name\": \"m\", \"sigma_s_per_m\": 1, \"density\": {\"type\": \"constant\", "
            "\"bounds_min_m\": [0,0,0], \"bounds_max_m\": [1,0,1]}}]}",
            "1: media[0].density: bounds_min_m is not below bounds_max_m on axis y");
-    refuse("{\"media\": [{\"name\": \"m\", \"sigma_s_per_m\": 1, \"absorption_from\": {\"mesh\": \"x\", \"material\": "
-           "\"y\"}}]}", "1: media[0]: absorption_from: no mesh with a file is named \"x\"");
+    refuse("{\"media\": [{\"name\": \"m\", \"sigma_s_per_m\": 1, \"absorption_from\": {\"mesh\": \"x\", "
+           "\"material\": "
+           "\"y\"}}]}",
+           "1: media[0]: absorption_from: no mesh with a file is named \"x\"");
     refuse("{\"translucents\": [{\"mesh\": \"a\", \"medium\": \"m\"}]}",
            "1: translucents[0]: no mesh is named \"a\"; name one of \"meshes\"");
-    refuse("{\"meshes\": [{\"name\": \"a\", \"file\": \"a.obj\"}],\n \"translucents\": [{\"mesh\": \"a\", \"medium\": "
-           "\"m\"}]}", "2: translucents[0]: no medium is named \"m\"; name one of \"media\"");
-    refuse("{\"meshes\": [{\"name\": \"a\", \"file\": \"a.obj\"}], \"media\": [{\"name\": \"m\", \"sigma_s_per_m\": 1}],"
+    refuse("{\"meshes\": [{\"name\": \"a\", \"file\": \"a.obj\"}],\n \"translucents\": [{\"mesh\": \"a\", "
+           "\"medium\": "
+           "\"m\"}]}",
+           "2: translucents[0]: no medium is named \"m\"; name one of \"media\"");
+    refuse("{\"meshes\": [{\"name\": \"a\", \"file\": \"a.obj\"}], \"media\": [{\"name\": \"m\", "
+           "\"sigma_s_per_m\": 1}],"
            "\n \"translucents\": [{\"mesh\": \"a\", \"medium\": \"m\", \"blockers\": [\"a\"]}]}",
-           "2: translucents[0]: mesh \"a\" is already a boundary or blocker; give a second mesh with the same file");
+           "2: translucents[0]: mesh \"a\" is already a boundary or blocker; give a second mesh with the "
+           "same file");
     refuse("{\"translucents\": [{\"mesh\": \"a\", \"medium\": \"m\", \"blockers\": [1]}]}",
            "1: translucents[0].blockers: is [1]; a list of texts is right");
     refuse("{\"bake\": {\"directions\": 33}}", "1: bake: directions is 33; an even number is right");
-    refuse("{\"bake\": {\"directions\": 2.5}}", "1: bake.directions: is 2.5; a whole number from 2 to 4096 is right");
-    refuse("{\"bake\": {\"samples\": 0}}", "1: bake.samples: is 0; a whole number from 1 to 10000000 is right");
+    refuse("{\"bake\": {\"directions\": 2.5}}",
+           "1: bake.directions: is 2.5; a whole number from 2 to 4096 is right");
+    refuse("{\"bake\": {\"samples\": 0}}",
+           "1: bake.samples: is 0; a whole number from 1 to 10000000 is right");
     refuse("{\"bake\": {\"sh_order\": 9}}", "1: bake.sh_order: is 9; a whole number from 1 to 8 is right");
     refuse("{\"bake\": {\"samples\": 10, \"radius_m\": 1}}",
            "1: bake: samples and radius_m exclude each other: the count follows from the radius");
-    refuse("{\"bake\": {\"seed\": 4294967296}}", "1: bake.seed: is 4294967296; a whole number from 0 to 4294967295 is right");
+    refuse("{\"bake\": {\"seed\": 4294967296}}",
+           "1: bake.seed: is 4294967296; a whole number from 0 to 4294967295 is right");
     /* strings, escapes and comments of other lines must not confuse the search for the line */
-    refuse("{\"comment\": \"a \\\" { [ \\\\\",\n \"play\": {\"background\": [1, 2, 3],\n  \"exposure_ev\": null}}",
+    refuse("{\"comment\": \"a \\\" { [ \\\\\",\n \"play\": {\"background\": [1, 2, 3],\n  \"exposure_ev\": "
+           "null}}",
            "3: play.exposure_ev: is null; a number from -30 to 30 is right");
 }
 
@@ -144,7 +171,8 @@ static char *lights(size_t count)
     if (!text) exit(1);
     at += sprintf(at, "{\"lights\": [");
     for (size_t i = 0; i < count; i++)
-        at += sprintf(at, "%s{\"type\": \"point\", \"position_m\": [0, 0, 0], \"intensity_w_sr\": 1}", i ? ", " : "");
+        at += sprintf(at, "%s{\"type\": \"point\", \"position_m\": [0, 0, 0], \"intensity_w_sr\": 1}",
+                      i ? ", " : "");
     strcpy(at, "]}");
     return text;
 }
@@ -173,21 +201,29 @@ static void test_light_count(void)
 
 static const char everything[] =
     "{\"unit_m\": 0.01,\n"
-    " \"meshes\": [{\"name\": \"a\", \"file\": \"sub/a.obj\", \"node\": \"n\", \"material\": \"m\", \"hidden\": true,\n"
-    "   \"import_lights\": false, \"transform\": {\"translate_m\": [1, 2, 3], \"rotate_degrees\": [90, 0, 90], "
+    " \"meshes\": [{\"name\": \"a\", \"file\": \"sub/a.obj\", \"node\": \"n\", \"material\": \"m\", "
+    "\"hidden\": true,\n"
+    "   \"import_lights\": false, \"transform\": {\"translate_m\": [1, 2, 3], \"rotate_degrees\": [90, 0, "
+    "90], "
     "\"scale\": [2, 3, 4]}},\n"
     "  {\"name\": \"b\", \"file\": \"/abs/b.ply\", \"unit_m\": 1, \"transform\": {\"matrix\": "
     "[1,0,0,0, 0,1,0,0, 0,0,1,0, 5,6,7,1]}},\n"
     "  {\"name\": \"s\", \"shape\": {\"type\": \"sphere\", \"radius_m\": 2, \"subdivisions\": 3}}],\n"
-    " \"materials\": [{\"name\": \"m\", \"base_color\": 0.25, \"emission_w_m2_sr\": [1, 2, 3], \"double_sided\": true}],\n"
+    " \"materials\": [{\"name\": \"m\", \"base_color\": 0.25, \"emission_w_m2_sr\": [1, 2, 3], "
+    "\"double_sided\": true}],\n"
     " \"lights\": [{\"type\": \"directional\", \"direction\": [0, -2, 0], \"irradiance_w_m2\": [1, 2, 3]}],\n"
-    " \"cameras\": [{\"name\": \"c\", \"position_m\": [0, 0, 5], \"target_m\": [0, 0, 0], \"fov_y_degrees\": 90}],\n"
+    " \"cameras\": [{\"name\": \"c\", \"position_m\": [0, 0, 5], \"target_m\": [0, 0, 0], \"fov_y_degrees\": "
+    "90}],\n"
     " \"environment\": {\"radiance_w_m2_sr\": [0.5, 1, 2], \"scale\": 3, \"rotation_degrees\": 180},\n"
-    " \"media\": [{\"name\": \"w\", \"albedo\": [1, 0.5, 0], \"mean_free_path_m\": [0.1, 0.2, 0.5], \"g\": -0.5,\n"
-    "   \"density\": {\"type\": \"grid\", \"file\": \"f.vdb\", \"grid\": \"d[1]\", \"scale\": 2, \"unit_m\": 0.1,\n"
-    "     \"transform\": {\"translate_m\": [1, 0, 0]}, \"bounds_min_m\": [0, 0, 0], \"bounds_max_m\": [1, 1, 1]}},\n"
+    " \"media\": [{\"name\": \"w\", \"albedo\": [1, 0.5, 0], \"mean_free_path_m\": [0.1, 0.2, 0.5], \"g\": "
+    "-0.5,\n"
+    "   \"density\": {\"type\": \"grid\", \"file\": \"f.vdb\", \"grid\": \"d[1]\", \"scale\": 2, \"unit_m\": "
+    "0.1,\n"
+    "     \"transform\": {\"translate_m\": [1, 0, 0]}, \"bounds_min_m\": [0, 0, 0], \"bounds_max_m\": [1, 1, "
+    "1]}},\n"
     "  {\"name\": \"l\", \"sigma_s_per_m\": 3, \"sigma_a_per_m\": [0, 1, 2],\n"
-    "   \"density\": {\"type\": \"layers\", \"axis\": [0, 0, 2], \"period_m\": 0.5, \"thickness_m\": 0.2}}],\n"
+    "   \"density\": {\"type\": \"layers\", \"axis\": [0, 0, 2], \"period_m\": 0.5, \"thickness_m\": "
+    "0.2}}],\n"
     " \"translucents\": [{\"mesh\": \"s\", \"medium\": \"w\", \"blockers\": [\"b\"]}],\n"
     " \"bake\": {\"directions\": 64, \"radius_m\": 0.25, \"coefficient_format\": \"byte\"},\n"
     " \"play\": {\"exposure_ev\": -2, \"background\": 0.5}}";
@@ -196,7 +232,8 @@ static void check_meshes(const al_scene_description *s)
 {
     const al_mesh_description *a = &s->meshes[0];
     CHECK(s->mesh_count == 3);
-    CHECK(strcmp(a->file, "described/sub/a.obj") == 0 && strcmp(a->node, "n") == 0 && strcmp(a->material, "m") == 0);
+    CHECK(strcmp(a->file, "described/sub/a.obj") == 0 && strcmp(a->node, "n") == 0 &&
+          strcmp(a->material, "m") == 0);
     CHECK(a->hidden && !a->import_lights && a->import_cameras && a->line == 2);
     CHECK_NEAR(a->unit_m, 0.01, 0);
     /* x: scaled by 2, unmoved by the turn about x, then to y; y: by 3, to z; z: by 4, to -y, then to x */
@@ -217,7 +254,8 @@ static void check_media(const al_scene_description *s)
         CHECK_NEAR(w->sigma_a_per_m[i], absorb[i], 1e-14);
         CHECK_NEAR(l->sigma_a_per_m[i], i, 0);
     }
-    CHECK(w->density.type == AL_DENSITY_GRID && w->density.has_bounds && strcmp(w->density.grid, "d[1]") == 0);
+    CHECK(w->density.type == AL_DENSITY_GRID && w->density.has_bounds &&
+          strcmp(w->density.grid, "d[1]") == 0);
     CHECK(strcmp(w->density.file, "described/f.vdb") == 0);
     CHECK_NEAR(w->density.grid_to_world[0], 0.1, 0);
     CHECK_NEAR(w->density.grid_to_world[12], 1, 0); /* the transform is in metres, after the unit */
@@ -239,13 +277,15 @@ static void test_values(void)
     check_media(s);
     CHECK(s->materials[0].base_color[2] == 0.25f && s->materials[0].emission_w_m2_sr[2] == 3);
     CHECK(s->materials[0].double_sided && s->materials[0].roughness == 1 && s->materials[0].ior == 1.5f);
-    CHECK(s->lights[0].vector[1] == -1 && s->lights[0].intensity[2] == 3 && s->lights[0].type == AL_LIGHT_DIRECTIONAL);
+    CHECK(s->lights[0].vector[1] == -1 && s->lights[0].intensity[2] == 3 &&
+          s->lights[0].type == AL_LIGHT_DIRECTIONAL);
     CHECK_NEAR(s->cameras[0].fov_y_radians, 1.57079632679, 1e-7);
     CHECK_NEAR(s->environment.rotation_y_radians, 3.14159265358979, 1e-14);
     CHECK(s->environment.radiance[0] == 0.5 && s->environment.scale == 3);
     CHECK(s->translucents[0].blocker_count == 1 && strcmp(s->translucents[0].blockers[0], "b") == 0);
     CHECK(s->bake.directions == 64 && s->bake.samples == 0 && s->bake.radius_m == 0.25);
-    CHECK(s->bake.grid_resolution == 128 && s->bake.sh_order == 8 && s->bake.coefficient_format == AL_COEFFICIENT_BYTE);
+    CHECK(s->bake.grid_resolution == 128 && s->bake.sh_order == 8 &&
+          s->bake.coefficient_format == AL_COEFFICIENT_BYTE);
     CHECK(s->play.exposure_ev == -2 && s->play.background[1] == 0.5f);
     al_scene_description_free(s);
 }
@@ -294,19 +334,29 @@ static bool agrees(const json_t *property, const al_scene_key *key)
 {
     const json_t *either = json_object_get(property, "oneOf");
     switch (key->type) {
-    case AL_SCENE_STRING: return is_type(property, "string");
-    case AL_SCENE_BOOL: return is_type(property, "boolean");
-    case AL_SCENE_NUMBER: return is_type(property, "number") && has_limits(property, key);
-    case AL_SCENE_INTEGER: return is_type(property, "integer") && has_limits(property, key);
+    case AL_SCENE_STRING:
+        return is_type(property, "string");
+    case AL_SCENE_BOOL:
+        return is_type(property, "boolean");
+    case AL_SCENE_NUMBER:
+        return is_type(property, "number") && has_limits(property, key);
+    case AL_SCENE_INTEGER:
+        return is_type(property, "integer") && has_limits(property, key);
     case AL_SCENE_TRIPLE:
         return json_array_size(either) == 2 && has_limits(json_array_get(either, 0), key) &&
                is_numbers(json_array_get(either, 1), key, 3);
-    case AL_SCENE_VECTOR: return is_numbers(property, key, 3);
-    case AL_SCENE_MATRIX: return is_numbers(property, key, 16);
-    case AL_SCENE_CHOICE: return same_words(json_object_get(property, "enum"), key->words);
-    case AL_SCENE_NAMES: return is_type(property, "array") && is_type(json_object_get(property, "items"), "string");
-    case AL_SCENE_OBJECT: return is_reference(property, key->words);
-    case AL_SCENE_LIST: return is_type(property, "array") && is_reference(json_object_get(property, "items"), key->words);
+    case AL_SCENE_VECTOR:
+        return is_numbers(property, key, 3);
+    case AL_SCENE_MATRIX:
+        return is_numbers(property, key, 16);
+    case AL_SCENE_CHOICE:
+        return same_words(json_object_get(property, "enum"), key->words);
+    case AL_SCENE_NAMES:
+        return is_type(property, "array") && is_type(json_object_get(property, "items"), "string");
+    case AL_SCENE_OBJECT:
+        return is_reference(property, key->words);
+    case AL_SCENE_LIST:
+        return is_type(property, "array") && is_reference(json_object_get(property, "items"), key->words);
     }
     return false;
 }

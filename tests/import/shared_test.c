@@ -26,7 +26,8 @@ static void test_closed(const closed_mesh *fact)
     al_tetrahedra mesh;
     al_error error = {0};
     snprintf(json, sizeof json,
-             "{\"meshes\": [{\"name\": \"a\", \"file\": \"%s/data/meshes/%s\", \"unit_m\": 0.1}], \"media\": [{\"name\": "
+             "{\"meshes\": [{\"name\": \"a\", \"file\": \"%s/data/meshes/%s\", \"unit_m\": 0.1}], \"media\": "
+             "[{\"name\": "
              "\"m\", \"sigma_s_per_m\": 1}], \"translucents\": [{\"mesh\": \"a\", \"medium\": \"m\"}]}",
              shared_folder(), fact->file);
     if (import_text(json, &import, &error)) {
@@ -43,9 +44,12 @@ static void test_closed(const closed_mesh *fact)
         double e[3][3];
         for (int k = 0; k < 3; k++)
             for (int i = 0; i < 3; i++)
-                e[k][i] = mesh.points[mesh.corners[t * 4 + k + 1] * 3 + i] - mesh.points[mesh.corners[t * 4] * 3 + i];
-        sum += (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) + e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
-                e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) / 6;
+                e[k][i] = mesh.points[mesh.corners[t * 4 + k + 1] * 3 + i] -
+                          mesh.points[mesh.corners[t * 4] * 3 + i];
+        sum += (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
+                e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
+                e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
+               6;
     }
     /* what cuts itself counts overlaps twice in its signed volume: only "about" the same, 1 % here */
     CHECK_NEAR(sum, expected, expected * (fact->exact ? 1e-9 : 0.01));
@@ -62,12 +66,16 @@ static void refuse(const char *folder, const char *file, const char *parts)
     al_error error = {0};
     if (strcmp(folder, "meshes") == 0)
         snprintf(json, sizeof json,
-                 "{\"meshes\": [{\"name\": \"a\", \"file\": \"%s/data/meshes/%s\"}], \"media\": [{\"name\": \"m\", "
-                 "\"sigma_s_per_m\": 1}], \"translucents\": [{\"mesh\": \"a\", \"medium\": \"m\"}]}", shared_folder(), file);
+                 "{\"meshes\": [{\"name\": \"a\", \"file\": \"%s/data/meshes/%s\"}], \"media\": [{\"name\": "
+                 "\"m\", "
+                 "\"sigma_s_per_m\": 1}], \"translucents\": [{\"mesh\": \"a\", \"medium\": \"m\"}]}",
+                 shared_folder(), file);
     else
         snprintf(json, sizeof json,
-                 "{\"media\": [{\"name\": \"m\", \"sigma_s_per_m\": 1, \"density\": {\"type\": \"grid\", \"file\": "
-                 "\"%s/data/volumes/%s\"}}]}", shared_folder(), file);
+                 "{\"media\": [{\"name\": \"m\", \"sigma_s_per_m\": 1, \"density\": {\"type\": \"grid\", "
+                 "\"file\": "
+                 "\"%s/data/volumes/%s\"}}]}",
+                 shared_folder(), file);
     al_status status = import_text(json, &import, &error);
     check_mentions(file, status, &error, AL_BAD_INPUT, parts);
     al_import_free(import);
@@ -84,14 +92,16 @@ static void test_grid(const grid_fact *fact)
     al_import *import = NULL;
     al_error error = {0};
     snprintf(json, sizeof json,
-             "{\"media\": [{\"name\": \"m\", \"sigma_s_per_m\": 1, \"density\": {\"type\": \"grid\", \"file\": \"%s/%s\"%s}}]}",
+             "{\"media\": [{\"name\": \"m\", \"sigma_s_per_m\": 1, \"density\": {\"type\": \"grid\", "
+             "\"file\": \"%s/%s\"%s}}]}",
              shared_folder(), fact->file, fact->grid);
     CHECK(import_text(json, &import, &error) == AL_OK);
     if (!import) {
         fprintf(stderr, "%s\n", error.message);
         return;
     }
-    CHECK_NEAR(al_density_max(import->densities[0]), fact->largest, 5e-4 * fact->largest); /* facts of 4 digits */
+    CHECK_NEAR(al_density_max(import->densities[0]), fact->largest,
+               5e-4 * fact->largest); /* facts of 4 digits */
     CHECK_NEAR(al_density_detail_m(import->densities[0]), fact->voxel, 1e-4 * fact->voxel);
     CHECK(import->input_count == 2);
     al_import_free(import);
@@ -103,7 +113,8 @@ static void test_scene(const char *file, uint32_t triangles, uint32_t lights, ui
     al_import *import = NULL;
     al_error error = {0};
     uint32_t found = 0;
-    snprintf(json, sizeof json, "{\"meshes\": [{\"name\": \"a\", \"file\": \"%s/data/scenes/%s\"}]}", shared_folder(), file);
+    snprintf(json, sizeof json, "{\"meshes\": [{\"name\": \"a\", \"file\": \"%s/data/scenes/%s\"}]}",
+             shared_folder(), file);
     CHECK(import_text(json, &import, &error) == AL_OK);
     if (!import) {
         fprintf(stderr, "%s\n", error.message);
@@ -122,7 +133,8 @@ static void test_map(const char *file, uint32_t width, uint32_t height)
     al_import *import = NULL;
     al_error error = {0};
     double mean = 0;
-    snprintf(json, sizeof json, "{\"environment\": {\"file\": \"%s/data/images/%s\"}}", shared_folder(), file);
+    snprintf(json, sizeof json, "{\"environment\": {\"file\": \"%s/data/images/%s\"}}", shared_folder(),
+             file);
     CHECK(import_text(json, &import, &error) == AL_OK);
     if (!import) {
         fprintf(stderr, "%s\n", error.message);
@@ -132,7 +144,8 @@ static void test_map(const char *file, uint32_t width, uint32_t height)
     CHECK(e->width == width && e->height == height);
     /* band 0 is sqrt(4 pi) times the mean over the sphere: a sum over rows with their solid angles */
     for (uint32_t y = 0; y < height; y++) {
-        double share = (cos(3.14159265358979 * y / height) - cos(3.14159265358979 * (y + 1) / height)) / 2 / width;
+        double share =
+            (cos(3.14159265358979 * y / height) - cos(3.14159265358979 * (y + 1) / height)) / 2 / width;
         for (uint32_t x = 0; x < width; x++) mean += share * e->pixels[(y * (size_t)width + x) * 3];
     }
     CHECK_NEAR(e->sh[0][0], sqrt(4 * 3.14159265358979) * mean, 1e-6 * e->sh[0][0]);
@@ -142,8 +155,9 @@ static void test_map(const char *file, uint32_t width, uint32_t height)
 int main(void)
 {
     static const closed_mesh meshes[] = {
-        {"c3d_spot.obj", 5856, true},     {"cgal_armadillo.off", 52000, true}, {"cgal_bones.off", 4204, false},
-        {"cgal_cheese.off", 17786, true}, {"cgal_elephant.off", 5558, true},   {"cgal_sphere966.off", 1848, true},
+        {"c3d_spot.obj", 5856, true},       {"cgal_armadillo.off", 52000, true},
+        {"cgal_bones.off", 4204, false},    {"cgal_cheese.off", 17786, true},
+        {"cgal_elephant.off", 5558, true},  {"cgal_sphere966.off", 1848, true},
         {"glmark2_bunny.obj", 69666, false}};
     static const grid_fact grids[] = {
         {"data/volumes/smoke.vdb", "", 5.715, 0.47619},

@@ -25,8 +25,10 @@ static double total_volume(const al_tetrahedra *mesh)
         for (int k = 0; k < 3; k++)
             for (int i = 0; i < 3; i++)
                 e[k][i] = mesh->points[mesh->corners[t * (size_t)4 + k + 1] * (size_t)3 + i] - origin[i];
-        double volume = (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) + e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
-                         e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) / 6;
+        double volume = (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
+                         e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
+                         e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
+                        6;
         CHECK(volume >= 0);
         sum += volume;
     }
@@ -60,12 +62,15 @@ static al_triangles join(const al_import *import, bool inward)
 {
     al_triangles parts[2], whole;
     al_error error;
-    for (int k = 0; k < 2; k++) CHECK(al_triangles_from_mesh(&import->scene.meshes[k], &parts[k], &error) == AL_OK);
-    whole = (al_triangles){parts[0].vertex_count + parts[1].vertex_count, parts[0].triangle_count + parts[1].triangle_count,
+    for (int k = 0; k < 2; k++)
+        CHECK(al_triangles_from_mesh(&import->scene.meshes[k], &parts[k], &error) == AL_OK);
+    whole = (al_triangles){parts[0].vertex_count + parts[1].vertex_count,
+                           parts[0].triangle_count + parts[1].triangle_count,
                            malloc((parts[0].vertex_count + parts[1].vertex_count) * sizeof(double[3])),
                            malloc((parts[0].triangle_count + parts[1].triangle_count) * sizeof(uint32_t[3]))};
     memcpy(whole.positions, parts[0].positions, parts[0].vertex_count * sizeof(double[3]));
-    memcpy(whole.positions + parts[0].vertex_count * 3, parts[1].positions, parts[1].vertex_count * sizeof(double[3]));
+    memcpy(whole.positions + parts[0].vertex_count * 3, parts[1].positions,
+           parts[1].vertex_count * sizeof(double[3]));
     memcpy(whole.indices, parts[0].indices, parts[0].triangle_count * sizeof(uint32_t[3]));
     for (uint32_t i = 0; i < parts[1].triangle_count * 3; i++)
         whole.indices[parts[0].triangle_count * 3 + (inward ? i - i % 3 + 2 - i % 3 : i)] =
@@ -79,8 +84,9 @@ static void test_cavity(void)
 {
     al_error error = {0};
     al_tetrahedra mesh;
-    al_import *import = import_text("{\"meshes\": [{\"name\": \"a\", \"shape\": {\"type\": \"box\", \"size_m\": 3}}, "
-                                    "{\"name\": \"b\", \"shape\": {\"type\": \"box\", \"size_m\": [1, 2, 1]}}]}");
+    al_import *import =
+        import_text("{\"meshes\": [{\"name\": \"a\", \"shape\": {\"type\": \"box\", \"size_m\": 3}}, "
+                    "{\"name\": \"b\", \"shape\": {\"type\": \"box\", \"size_m\": [1, 2, 1]}}]}");
     if (!import) return;
     al_triangles surface = join(import, true);
     CHECK(al_triangles_check("cavity", &surface, &error) == AL_OK);
@@ -92,16 +98,18 @@ static void test_cavity(void)
     al_import_free(import);
 }
 
-/* Two boxes of 2 x 2 x 2 that overlap in 1 x 2 x 2: they wind around 12. The boxes' sides lie in whole columns or
- * not; at worst one column of 3/256 is missing or too much at each side in x (3 m long) and y: 2 * 3/256 / 2. */
+/* Two boxes of 2 x 2 x 2 that overlap in 1 x 2 x 2: they wind around 12. The boxes' sides lie in whole
+ * columns or not; at worst one column of 3/256 is missing or too much at each side in x (3 m long) and y: 2 *
+ * 3/256 / 2. */
 static void test_overlap(void)
 {
     al_error error = {0};
     al_tetrahedra mesh;
-    al_import *import = import_text(
-        "{\"meshes\": [{\"name\": \"a\", \"shape\": {\"type\": \"box\", \"size_m\": 2}}, "
-        "{\"name\": \"b\", \"shape\": {\"type\": \"box\", \"size_m\": 2}, \"transform\": {\"scale\": [1, 1.001, 1], "
-        "\"translate_m\": [1, 0, 0.01]}}]}");
+    al_import *import =
+        import_text("{\"meshes\": [{\"name\": \"a\", \"shape\": {\"type\": \"box\", \"size_m\": 2}}, "
+                    "{\"name\": \"b\", \"shape\": {\"type\": \"box\", \"size_m\": 2}, \"transform\": "
+                    "{\"scale\": [1, 1.001, 1], "
+                    "\"translate_m\": [1, 0, 0.01]}}]}");
     if (!import) return;
     for (uint32_t i = 0; i < import->scene.meshes[1].vertex_count; i++) { /* instances move, meshes do not */
         import->scene.meshes[1].positions[i * 3] += 1;

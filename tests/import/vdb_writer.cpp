@@ -5,7 +5,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-namespace {
+namespace
+{
 
 openvdb::math::Transform::Ptr make_transform(const vdb_grid &from)
 {
@@ -15,17 +16,20 @@ openvdb::math::Transform::Ptr make_transform(const vdb_grid &from)
     if (from.index_to_world[15] == 0) return openvdb::math::Transform::createLinearTransform(1.0);
     openvdb::math::Mat4d matrix; /* OpenVDB multiplies row vectors: our columns are its rows */
     for (int row = 0; row < 4; row++)
-        for (int column = 0; column < 4; column++) matrix(row, column) = from.index_to_world[row * 4 + column];
+        for (int column = 0; column < 4; column++)
+            matrix(row, column) = from.index_to_world[row * 4 + column];
     return openvdb::math::Transform::createLinearTransform(matrix);
 }
 
-template <typename Grid> openvdb::GridBase::Ptr make(const vdb_grid &from, const typename Grid::ValueType &background)
+template <typename Grid>
+openvdb::GridBase::Ptr make(const vdb_grid &from, const typename Grid::ValueType &background)
 {
     typename Grid::Ptr grid = Grid::create(background);
     auto voxels = grid->getAccessor();
     const int last = from.size[0] * from.size[1] * from.size[2] - 1;
     for (int i = 0; i <= last; i += from.kind == VDB_CORNERS ? last : 1) {
-        const openvdb::Coord at(from.first[0] + i % from.size[0], from.first[1] + i / from.size[0] % from.size[1],
+        const openvdb::Coord at(from.first[0] + i % from.size[0],
+                                from.first[1] + i / from.size[0] % from.size[1],
                                 from.first[2] + i / (from.size[0] * from.size[1]));
         voxels.setValue(at, typename Grid::ValueType(from.values ? from.values[i] : 1.0f));
     }
@@ -44,8 +48,9 @@ void vdb_write(const char *path, const vdb_grid *grids, int count)
         openvdb::initialize();
         openvdb::GridPtrVec made;
         for (int i = 0; i < count; i++)
-            made.push_back(grids[i].kind == VDB_VECTOR ? make<openvdb::Vec3SGrid>(grids[i], openvdb::Vec3f(0)) :
-                                                         make<openvdb::FloatGrid>(grids[i], grids[i].background));
+            made.push_back(grids[i].kind == VDB_VECTOR
+                               ? make<openvdb::Vec3SGrid>(grids[i], openvdb::Vec3f(0))
+                               : make<openvdb::FloatGrid>(grids[i], grids[i].background));
         openvdb::io::File(path).write(made);
     } catch (const std::exception &problem) {
         std::fprintf(stderr, "%s: %s\n", path, problem.what());
