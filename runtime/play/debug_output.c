@@ -3,11 +3,12 @@
 #include <epoxy/gl.h>
 #include <stdio.h>
 
-static void print_message(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length, const GLchar *text,
-                          const void *user)
+static void print_message(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length,
+                          const GLchar *text, const void *user)
 {
     (void)source, (void)type, (void)length, (void)user;
-    if (severity != GL_DEBUG_SEVERITY_NOTIFICATION) fprintf(stderr, "airlight-play: OpenGL %u: %s\n", id, text);
+    if (severity != GL_DEBUG_SEVERITY_NOTIFICATION)
+        fprintf(stderr, "airlight-play: OpenGL %u: %s\n", id, text);
 }
 
 void al_debug_output_begin(void)

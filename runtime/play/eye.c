@@ -130,7 +130,8 @@ static void planes(const al_eye *eye, const al_bounds *bounds, float *near, floa
         farthest += reach * reach;
     }
     *far = farthest > 0 ? 1.01f * sqrtf(farthest) : fmaxf(2 * glm_vec3_norm(forward), 1e-6f);
-    /* The nearest point of the box lies `outside` away; at the corner of the picture that is less along the view. */
+    /* The nearest point of the box lies `outside` away; at the corner of the picture that is less along the
+     * view. */
     float depth = sqrtf(outside) * cosf(fminf(eye->fov_y_radians, 1.5f));
     *near = fmaxf(0.5f * depth, 1e-4f * *far);
 }

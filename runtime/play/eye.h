@@ -30,8 +30,8 @@ void al_eye_move(al_eye *eye, float right, float up, float forward);
 /* Multiplies the distance to the target. */
 void al_eye_zoom(al_eye *eye, float factor);
 
-/* Subpixel offset of frame `index`, in pixels within [-0.5, 0.5): frame 0 is the pixel's centre. The points of
- * the additive recurrence with the plastic number fill the box evenly for every count (M. Roberts, "The
+/* Subpixel offset of frame `index`, in pixels within [-0.5, 0.5): frame 0 is the pixel's centre. The points
+ * of the additive recurrence with the plastic number fill the box evenly for every count (M. Roberts, "The
  * unreasonable effectiveness of quasirandom sequences", 2018). */
 void al_jitter(unsigned index, float offset[2]);
 

@@ -56,7 +56,8 @@ static al_status check_writable(const char *path, al_error *error)
 static al_status check_outputs(const al_play_options *options, al_error *error)
 {
     al_status status = options->stats ? check_writable(options->stats, error) : AL_OK;
-    for (int i = 0; i < options->out.count && !status; i++) status = check_writable(options->out.values[i], error);
+    for (int i = 0; i < options->out.count && !status; i++)
+        status = check_writable(options->out.values[i], error);
     return status;
 }
 
@@ -99,7 +100,8 @@ static al_status load(session *s, al_error *error)
             continue;
         }
         status = draw(s, 0, error);
-        if (isnan(s->stats.first_picture_ms)) s->stats.first_picture_ms = 1e3 * (al_program_seconds() - start_s);
+        if (isnan(s->stats.first_picture_ms))
+            s->stats.first_picture_ms = 1e3 * (al_program_seconds() - start_s);
     }
     s->stats.last_sample_ms = 1e3 * (al_program_seconds() - start_s);
     return status;
@@ -109,8 +111,10 @@ static al_status load(session *s, al_error *error)
 static void frame_path(const char *pattern, unsigned frame, char *path, size_t size)
 {
     const char *number = strstr(pattern, "%04d");
-    if (number) snprintf(path, size, "%.*s%04u%s", (int)(number - pattern), pattern, frame, number + 4);
-    else snprintf(path, size, "%s", pattern);
+    if (number)
+        snprintf(path, size, "%.*s%04u%s", (int)(number - pattern), pattern, frame, number + 4);
+    else
+        snprintf(path, size, "%s", pattern);
 }
 
 static al_status write_pictures(session *s, const al_image *image, unsigned frame, bool last, al_error *error)
@@ -131,7 +135,8 @@ static al_status write_pictures(session *s, const al_image *image, unsigned fram
 static bool wants_picture(const session *s, bool last)
 {
     bool every = false;
-    for (int i = 0; i < s->options->out.count; i++) every |= strstr(s->options->out.values[i], "%04d") != NULL;
+    for (int i = 0; i < s->options->out.count; i++)
+        every |= strstr(s->options->out.values[i], "%04d") != NULL;
     return s->options->out.count && (every || last || s->options->accumulate);
 }
 
@@ -161,7 +166,8 @@ static al_status render_frame(session *s, unsigned frame, bool last, al_error *e
     if (!status) status = draw(s, frame, error);
     if (status) return status;
     double frame_ms = 1e3 * (al_program_seconds() - start_s);
-    status = al_stats_add(&s->stats, frame_ms, times, al_runtime_times(s->runtime, times, TIMES_LIMIT), error);
+    status =
+        al_stats_add(&s->stats, frame_ms, times, al_runtime_times(s->runtime, times, TIMES_LIMIT), error);
     if (status || !wants_picture(s, last)) return status;
     status = al_target_read(&s->target, &image, error);
     if (!status && s->options->accumulate) status = accumulate(s, frame, &image, error);
@@ -175,13 +181,15 @@ static al_status render(session *s, al_error *error)
     unsigned count = (unsigned)s->options->frames;
     al_status status = AL_OK;
     for (unsigned frame = 0; frame < count && !status; frame++)
-        status = al_program_cancelled() ? cancelled(error) : render_frame(s, frame, frame + 1 == count, error);
-    if (!status && s->options->stats) status = al_stats_write(s->options->stats, &s->stats, s->runtime, error);
+        status =
+            al_program_cancelled() ? cancelled(error) : render_frame(s, frame, frame + 1 == count, error);
+    if (!status && s->options->stats)
+        status = al_stats_write(s->options->stats, &s->stats, s->runtime, error);
     return status;
 }
 
-/* Renders again after every change of the folder, until the user stops it. A folder that is broken for a while,
- * say in the middle of a bake, is said and waited for. */
+/* Renders again after every change of the folder, until the user stops it. A folder that is broken for a
+ * while, say in the middle of a bake, is said and waited for. */
 static al_status render_and_watch(session *s, al_error *error)
 {
     al_watch watch;

@@ -7,10 +7,10 @@ int main(int argc, char **argv)
     al_program program = {
         .name = "airlight-play",
         .usage = "DIR [options]",
-        .summary = "Shows what airlight-bake wrote into DIR in a window (H lists the keys), or renders it without a\n"
-                   "display with --headless. EXR pictures hold linear radiance in W/(m2 sr). PNG pictures and the\n"
-                   "window show radiance times 2^EV, straight up to 0.6 and then along an exponential shoulder that\n"
-                   "tends to 1, in sRGB.",
+        .summary = "Shows what airlight-bake wrote into DIR in a window (H lists the keys), or renders it\n"
+                   "without a display with --headless. EXR pictures hold linear radiance in W/(m2 sr).\n"
+                   "PNG pictures and the window show radiance times 2^EV, straight up to 0.6 and then along\n"
+                   "an exponential shoulder that tends to 1, in sRGB.",
     };
     al_play_options options;
     int code = al_play_options_parse(&program, argc, argv, &options);

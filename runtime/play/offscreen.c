@@ -7,7 +7,8 @@ enum { DEVICE_LIMIT = 32 };
 
 static bool open_config(EGLDisplay display, EGLConfig *config)
 {
-    static const EGLint wanted[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_NONE};
+    static const EGLint wanted[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT,
+                                    EGL_NONE};
     EGLint count = 0;
     return eglChooseConfig(display, wanted, config, 1, &count) && count > 0;
 }
@@ -16,10 +17,14 @@ static bool open_config(EGLDisplay display, EGLConfig *config)
 static const char *try_display(EGLDisplay display, bool debug, al_offscreen *offscreen)
 {
     static const EGLint pbuffer[] = {EGL_WIDTH, 1, EGL_HEIGHT, 1, EGL_NONE};
-    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 4,
-                                 EGL_CONTEXT_MINOR_VERSION, 5,
-                                 EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                 EGL_CONTEXT_OPENGL_DEBUG, debug,
+    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
+                                 4,
+                                 EGL_CONTEXT_MINOR_VERSION,
+                                 5,
+                                 EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                 EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                 EGL_CONTEXT_OPENGL_DEBUG,
+                                 debug,
                                  EGL_NONE};
     EGLConfig config;
     EGLContext context = EGL_NO_CONTEXT;
@@ -27,14 +32,17 @@ static const char *try_display(EGLDisplay display, bool debug, al_offscreen *off
     const char *failed = NULL;
     if (display == EGL_NO_DISPLAY) return "eglGetPlatformDisplay";
     if (!eglInitialize(display, NULL, NULL)) return "eglInitialize";
-    if (!eglBindAPI(EGL_OPENGL_API)) failed = "eglBindAPI";
-    else if (!open_config(display, &config)) failed = "eglChooseConfig";
+    if (!eglBindAPI(EGL_OPENGL_API))
+        failed = "eglBindAPI";
+    else if (!open_config(display, &config))
+        failed = "eglChooseConfig";
     else if ((context = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes)) == EGL_NO_CONTEXT)
         failed = "eglCreateContext";
     else if (!epoxy_has_egl_extension(display, "EGL_KHR_surfaceless_context") &&
              (surface = eglCreatePbufferSurface(display, config, pbuffer)) == EGL_NO_SURFACE)
         failed = "eglCreatePbufferSurface";
-    else if (!eglMakeCurrent(display, surface, surface, context)) failed = "eglMakeCurrent";
+    else if (!eglMakeCurrent(display, surface, surface, context))
+        failed = "eglMakeCurrent";
     *offscreen = (al_offscreen){display, surface, context};
     if (failed) al_offscreen_destroy(offscreen);
     return failed;
@@ -49,15 +57,17 @@ static const char *try_devices(bool debug, al_offscreen *offscreen)
         !eglQueryDevicesEXT(DEVICE_LIMIT, devices, &count))
         return failed;
     for (EGLint i = 0; i < count && failed; i++)
-        failed = try_display(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[i], NULL), debug, offscreen);
+        failed = try_display(eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices[i], NULL), debug,
+                             offscreen);
     return failed;
 }
 
 static const char *try_surfaceless(bool debug, al_offscreen *offscreen)
 {
-    if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless")) return "EGL_MESA_platform_surfaceless";
-    return try_display(eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL), debug,
-                       offscreen);
+    if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless"))
+        return "EGL_MESA_platform_surfaceless";
+    return try_display(eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL),
+                       debug, offscreen);
 }
 
 al_status al_offscreen_create(bool debug, al_offscreen *offscreen, al_error *error)
@@ -69,10 +79,11 @@ al_status al_offscreen_create(bool debug, al_offscreen *offscreen, al_error *err
     if (!surfaceless) return AL_OK;
     const char *display = try_display(eglGetDisplay(EGL_DEFAULT_DISPLAY), debug, offscreen);
     if (!display) return AL_OK;
-    return al_fail(error, AL_NO_DEVICE,
-                   "no OpenGL 4.5 core context without a display (EGL devices: %s failed; surfaceless: %s; default "
-                   "display: %s); a driver with OpenGL 4.5 is needed, Mesa's llvmpipe will do",
-                   device, surfaceless, display);
+    return al_fail(
+        error, AL_NO_DEVICE,
+        "no OpenGL 4.5 core context without a display (EGL devices: %s failed; surfaceless: %s; default "
+        "display: %s); a driver with OpenGL 4.5 is needed, Mesa's llvmpipe will do",
+        device, surfaceless, display);
 }
 
 void al_offscreen_destroy(al_offscreen *offscreen)

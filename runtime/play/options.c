@@ -49,7 +49,8 @@ static int check(const al_program *program, const al_play_options *options)
 {
     if (options->headless && !options->folder)
         return refuse(program, "--headless needs the baked folder to draw; see %s --help", program->name);
-    if (!options->headless && (options->out.count || options->stats || options->accumulate || options->first_picture))
+    if (!options->headless &&
+        (options->out.count || options->stats || options->accumulate || options->first_picture))
         return refuse(program, "--out, --stats, --accumulate and --first-picture need --headless");
     for (int i = 0; i < options->out.count; i++) {
         const char *path = options->out.values[i];
@@ -89,25 +90,33 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
         {"--fps", "F", AL_OPTION_REAL, &options->fps, "headless: frame i shows time i / F (60)", 1e-3, 1e6},
         {"--out", "FILE", AL_OPTION_LIST, &options->out,
          "headless: FILE.exr (linear) or FILE.png; %04d for every frame; may be repeated", 0, 0},
-        {"--accumulate", NULL, AL_OPTION_FLAG, &options->accumulate, "headless: average the frames, antialiased", 0, 0},
-        {"--stats", "FILE", AL_OPTION_STRING, &options->stats, "headless: write times and sizes as JSON", 0, 0},
+        {"--accumulate", NULL, AL_OPTION_FLAG, &options->accumulate,
+         "headless: average the frames, antialiased", 0, 0},
+        {"--stats", "FILE", AL_OPTION_STRING, &options->stats, "headless: write times and sizes as JSON", 0,
+         0},
         {"--first-picture", NULL, AL_OPTION_FLAG, &options->first_picture,
          "headless: draw while loading, to time the first picture", 0, 0},
         {"--camera", "NAME", AL_OPTION_STRING, &options->camera, "a camera of the scene (its first)", 0, 0},
-        {"--exposure", "EV", AL_OPTION_REAL, &options->exposure_ev, "brightness 2^EV of windows and PNG (the scene's)",
-         -60, 60},
+        {"--exposure", "EV", AL_OPTION_REAL, &options->exposure_ev,
+         "brightness 2^EV of windows and PNG (the scene's)", -60, 60},
         {"--pass", "NAME", AL_OPTION_STRING, &raw.pass, "show one intermediate buffer (composite)", 0, 0},
-        {"--plan", NULL, AL_OPTION_FLAG, &options->plan, "only say which passes the scene needs, and why", 0, 0},
+        {"--plan", NULL, AL_OPTION_FLAG, &options->plan, "only say which passes the scene needs, and why", 0,
+         0},
         {"--watch", NULL, AL_OPTION_FLAG, &options->watch, "load what was baked anew", 0, 0},
         {"--samples", "N", AL_OPTION_INT, &raw.samples, "samples per object, at most (all)", 1, 2147483647},
         {"--sh-order", "N", AL_OPTION_INT, &raw.sh_order, "bands of spherical harmonics (as baked)", 1, 8},
-        {"--view-leg", "KIND", AL_OPTION_STRING, &raw.view_leg, "transmittance to the eye: marched or sh (marched)", 0, 0},
+        {"--view-leg", "KIND", AL_OPTION_STRING, &raw.view_leg,
+         "transmittance to the eye: marched or sh (marched)", 0, 0},
         {"--intervals", "N", AL_OPTION_INT, &raw.intervals, "knots of the marched view leg (16)", 4, 32},
-        {"--march-step", "V", AL_OPTION_REAL, &raw.march_step, "step of the march in voxels (0.5)", 0.01, 100},
+        {"--march-step", "V", AL_OPTION_REAL, &raw.march_step, "step of the march in voxels (0.5)", 0.01,
+         100},
         {"--no-surface", NULL, AL_OPTION_FLAG, &raw.no_surface, "no shading of translucent surfaces", 0, 0},
-        {"--no-background", NULL, AL_OPTION_FLAG, &raw.no_background, "black instead of the environment", 0, 0},
-        {"--no-clip", NULL, AL_OPTION_FLAG, &raw.no_clip, "splats are not clipped by the object's front", 0, 0},
-        {"--no-normalise", NULL, AL_OPTION_FLAG, &raw.no_normalise, "do not divide by the sum of the Gaussians", 0, 0},
+        {"--no-background", NULL, AL_OPTION_FLAG, &raw.no_background, "black instead of the environment", 0,
+         0},
+        {"--no-clip", NULL, AL_OPTION_FLAG, &raw.no_clip, "splats are not clipped by the object's front", 0,
+         0},
+        {"--no-normalise", NULL, AL_OPTION_FLAG, &raw.no_normalise,
+         "do not divide by the sum of the Gaussians", 0, 0},
         {"--no-shadows", NULL, AL_OPTION_FLAG, &raw.no_shadows, "no shadow maps, no tinted shadows", 0, 0},
         {"--no-lod", NULL, AL_OPTION_FLAG, &raw.no_lod, "all samples at any distance", 0, 0},
     };
@@ -138,6 +147,6 @@ al_status al_play_camera(const al_play_options *options, const al_scene *scene, 
     }
     if (*camera) return AL_OK;
     if (!options->camera) return al_fail(error, AL_BAD_INPUT, "%s: the scene has no camera", options->folder);
-    return al_fail(error, AL_BAD_INPUT, "%s: no camera is named '%s'; there are: %s", options->folder, options->camera,
-                   names);
+    return al_fail(error, AL_BAD_INPUT, "%s: no camera is named '%s'; there are: %s", options->folder,
+                   options->camera, names);
 }

@@ -41,8 +41,14 @@ void al_panel_destroy()
     ImGui::DestroyContext();
 }
 
-bool al_panel_wants_mouse() { return ImGui::GetIO().WantCaptureMouse; }
-bool al_panel_wants_keyboard() { return ImGui::GetIO().WantCaptureKeyboard; }
+bool al_panel_wants_mouse()
+{
+    return ImGui::GetIO().WantCaptureMouse;
+}
+bool al_panel_wants_keyboard()
+{
+    return ImGui::GetIO().WantCaptureKeyboard;
+}
 
 /* Direction as azimuth about +y and height, degrees: stays a unit vector. */
 static void edit_direction(float vector[3])
@@ -50,7 +56,8 @@ static void edit_direction(float vector[3])
     float degrees[2] = {std::atan2(vector[0], vector[2]) * 57.29578f,
                         std::asin(std::fmin(1.0f, std::fmax(-1.0f, vector[1]))) * 57.29578f};
     if (!ImGui::DragFloat2("azimuth, height", degrees, 0.5f, -180, 180, "%.1f deg")) return;
-    float height = std::fmin(90.0f, std::fmax(-90.0f, degrees[1])) / 57.29578f, azimuth = degrees[0] / 57.29578f;
+    float height = std::fmin(90.0f, std::fmax(-90.0f, degrees[1])) / 57.29578f,
+          azimuth = degrees[0] / 57.29578f;
     vector[0] = std::cos(height) * std::sin(azimuth);
     vector[1] = std::sin(height);
     vector[2] = std::cos(height) * std::cos(azimuth);
@@ -106,7 +113,8 @@ static void show_picture(al_panel_state *state, const al_scene *scene)
 }
 
 /* A slider over a setting in which 0 stands for `all`. */
-static void edit_count(const char *label, const char *all_format, uint32_t *value, uint32_t most, bool logarithmic)
+static void edit_count(const char *label, const char *all_format, uint32_t *value, uint32_t most,
+                       bool logarithmic)
 {
     int shown = (int)(*value ? *value : most);
     const char *format = *value ? "%d" : all_format;
@@ -119,7 +127,9 @@ static void show_quality(al_panel_state *state)
     if (!ImGui::CollapsingHeader("accuracy")) return;
     al_settings *s = state->settings;
     uint64_t total = state->load.samples_total;
-    if (total) edit_count("samples", "all (%d)", &s->sample_limit, (uint32_t)(total < 1000000000 ? total : 1000000000), true);
+    if (total)
+        edit_count("samples", "all (%d)", &s->sample_limit,
+                   (uint32_t)(total < 1000000000 ? total : 1000000000), true);
     int order = (int)s->sh_order;
     if (ImGui::SliderInt("SH order", &order, 0, 8, order ? "%d" : "as baked")) s->sh_order = (uint32_t)order;
     static const char *const legs[] = {"marched", "SH, as published"};
@@ -132,9 +142,12 @@ static void show_quality(al_panel_state *state)
     const struct {
         const char *label;
         bool *off;
-    } parts[] = {{"surface shading", &s->surface_off}, {"clip splats at the front", &s->clip_off},
-                 {"divide by the sum of Gaussians", &s->normalise_off}, {"shadows", &s->shadows_off},
-                 {"level of detail", &s->detail_off}, {"background", &s->background_off}};
+    } parts[] = {{"surface shading", &s->surface_off},
+                 {"clip splats at the front", &s->clip_off},
+                 {"divide by the sum of Gaussians", &s->normalise_off},
+                 {"shadows", &s->shadows_off},
+                 {"level of detail", &s->detail_off},
+                 {"background", &s->background_off}};
     for (const auto &part : parts) {
         bool on = !*part.off;
         if (ImGui::Checkbox(part.label, &on)) *part.off = !on;
@@ -174,10 +187,14 @@ static void show_panel(al_panel_state *state)
     ImGui::SetNextWindowSize(ImVec2(330, 560), ImGuiCond_FirstUseEver);
     ImGui::Begin("airlight");
     ImGui::PushItemWidth(150);
-    if (!scene) ImGui::TextWrapped("Drop a baked folder into this window.");
-    else ImGui::TextWrapped("%s", state->folder);
+    if (!scene)
+        ImGui::TextWrapped("Drop a baked folder into this window.");
+    else
+        ImGui::TextWrapped("%s", state->folder);
     if (scene && !state->load.complete)
-        ImGui::ProgressBar(state->load.samples_total ? (float)state->load.samples_loaded / (float)state->load.samples_total : 0,
+        ImGui::ProgressBar(state->load.samples_total
+                               ? (float)state->load.samples_loaded / (float)state->load.samples_total
+                               : 0,
                            ImVec2(-1, 0), "loading");
     if (*state->message) ImGui::TextWrapped("%s", state->message);
     if (scene) {

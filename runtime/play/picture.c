@@ -12,8 +12,9 @@ al_status al_target_create(uint32_t width, uint32_t height, al_target *target, a
     GLint limit = 0;
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
     if (width > (uint32_t)limit || height > (uint32_t)limit)
-        return al_fail(error, AL_NO_DEVICE, "a picture of %ux%u pixels is larger than this device's limit of %d",
-                       width, height, limit);
+        return al_fail(error, AL_NO_DEVICE,
+                       "a picture of %ux%u pixels is larger than this device's limit of %d", width, height,
+                       limit);
     while (glGetError() != GL_NO_ERROR) continue;
     glCreateTextures(GL_TEXTURE_2D, 1, &target->texture);
     glTextureStorage2D(target->texture, 1, GL_RGBA32F, (GLsizei)width, (GLsizei)height);
@@ -23,8 +24,9 @@ al_status al_target_create(uint32_t width, uint32_t height, al_target *target, a
     GLenum code = glGetError();
     if (complete == GL_FRAMEBUFFER_COMPLETE && code == GL_NO_ERROR) return AL_OK;
     al_target_destroy(target);
-    return al_fail(error, AL_NO_DEVICE, "the device refuses a picture of %ux%u float pixels (OpenGL error 0x%x)", width,
-                   height, code);
+    return al_fail(error, AL_NO_DEVICE,
+                   "the device refuses a picture of %ux%u float pixels (OpenGL error 0x%x)", width, height,
+                   code);
 }
 
 void al_target_destroy(al_target *target)
@@ -39,7 +41,8 @@ al_status al_target_read(const al_target *target, al_image *image, al_error *err
     size_t row = (size_t)target->width * 3;
     *image = (al_image){target->width, target->height, 3, malloc(row * target->height * sizeof(float))};
     if (!image->pixels)
-        return al_fail(error, AL_IO, "out of memory for a picture of %ux%u pixels", target->width, target->height);
+        return al_fail(error, AL_IO, "out of memory for a picture of %ux%u pixels", target->width,
+                       target->height);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, target->framebuffer);
     glReadBuffer(GL_COLOR_ATTACHMENT0);
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
@@ -60,7 +63,8 @@ bool al_picture_has_ending(const char *path, const char *ending)
     return length > tail && !strcmp(path + length - tail, ending);
 }
 
-static al_status write_png(const char *path, const al_image *image, bool is_light, float factor, al_error *error)
+static al_status write_png(const char *path, const al_image *image, bool is_light, float factor,
+                           al_error *error)
 {
     size_t count = (size_t)image->width * image->height * 3;
     uint8_t *bytes = malloc(count);

@@ -18,7 +18,8 @@ al_status al_target_read(const al_target *target, al_image *image, al_error *err
 /* False for passes that hold normals, distances and the like: shown without exposure and tone mapping. */
 bool al_pass_is_light(al_pass pass);
 
-/* By the ending of `path`: .exr as it is; .png exposed by 2^exposure_ev, tone-mapped (light only), in sRGB. */
+/* By the ending of `path`: .exr as it is; .png exposed by 2^exposure_ev, tone-mapped (light only), in sRGB.
+ */
 al_status al_picture_write(const char *path, const al_image *image, bool is_light, double exposure_ev,
                            al_error *error);
 bool al_picture_has_ending(const char *path, const char *ending);

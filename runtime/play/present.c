@@ -61,8 +61,8 @@ void al_present_destroy(al_present *present)
     *present = (al_present){0};
 }
 
-void al_present_draw(const al_present *present, uint32_t texture, uint32_t width, uint32_t height, double exposure_ev,
-                     bool is_light)
+void al_present_draw(const al_present *present, uint32_t texture, uint32_t width, uint32_t height,
+                     double exposure_ev, bool is_light)
 {
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     glViewport(0, 0, (GLsizei)width, (GLsizei)height);

@@ -29,7 +29,8 @@ static al_pass_series *find_series(al_stats *stats, const char *name)
     return series;
 }
 
-al_status al_stats_add(al_stats *stats, double frame_ms, const al_pass_time *times, uint32_t count, al_error *error)
+al_status al_stats_add(al_stats *stats, double frame_ms, const al_pass_time *times, uint32_t count,
+                       al_error *error)
 {
     al_status status = append(&stats->frame, frame_ms, error);
     for (uint32_t i = 0; i < count && !status; i++) {
@@ -64,8 +65,8 @@ static json_t *describe_passes(const al_stats *stats)
         const al_pass_series *series = &stats->passes[i];
         qsort(series->ms, series->count, sizeof *series->ms, compare);
         json_array_append_new(passes, json_pack("{s:s, s:o, s:o, s:o}", "name", series->name, "ms_median",
-                                                number(median(series)), "ms_min", number(series->ms[0]), "ms_max",
-                                                number(series->ms[series->count - 1])));
+                                                number(median(series)), "ms_min", number(series->ms[0]),
+                                                "ms_max", number(series->ms[series->count - 1])));
     }
     return passes;
 }
@@ -77,8 +78,8 @@ static json_t *describe_plan(al_runtime *runtime)
     json_t *plan = json_array();
     for (uint32_t i = 0; i < count; i++)
         json_array_append_new(plan, json_pack("{s:s, s:b, s:s, s:o, s:I}", "step", rows[i].step, "needed",
-                                              rows[i].needed, "why", rows[i].why, "seconds", number(rows[i].seconds),
-                                              "bytes", (json_int_t)rows[i].bytes));
+                                              rows[i].needed, "why", rows[i].why, "seconds",
+                                              number(rows[i].seconds), "bytes", (json_int_t)rows[i].bytes));
     return plan;
 }
 
@@ -87,11 +88,11 @@ al_status al_stats_write(const char *path, const al_stats *stats, al_runtime *ru
     qsort(stats->frame.ms, stats->frame.count, sizeof *stats->frame.ms, compare);
     json_t *root = json_pack(
         "{s:o, s:o, s:I, s:i, s:I, s:i, s:i, s:s, s:o, s:i, s:o, s:o}", "passes", describe_passes(stats),
-        "frame_ms_median", number(median(&stats->frame)), "memory_bytes", (json_int_t)al_runtime_memory(runtime),
-        "surfels", 0, "samples", (json_int_t)al_runtime_samples(runtime), "width", (int)stats->width, "height",
-        (int)stats->height, "gl_renderer", stats->renderer, "plan", describe_plan(runtime), "frames",
-        (int)stats->frame.count, "first_picture_ms", number(stats->first_picture_ms), "last_sample_ms",
-        number(stats->last_sample_ms));
+        "frame_ms_median", number(median(&stats->frame)), "memory_bytes",
+        (json_int_t)al_runtime_memory(runtime), "surfels", 0, "samples",
+        (json_int_t)al_runtime_samples(runtime), "width", (int)stats->width, "height", (int)stats->height,
+        "gl_renderer", stats->renderer, "plan", describe_plan(runtime), "frames", (int)stats->frame.count,
+        "first_picture_ms", number(stats->first_picture_ms), "last_sample_ms", number(stats->last_sample_ms));
     char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
     size_t length = text ? strlen(text) : 0;
     if (text) text[length] = '\n'; /* a file ends with a line's end; the terminator is not written */

@@ -1,4 +1,5 @@
-/* Sees when a baked folder has changed. Looks at names, sizes and times, so that it works on every file system. */
+/* Sees when a baked folder has changed. Looks at names, sizes and times, so that it works on every file
+ * system. */
 #ifndef AIRLIGHT_WATCH_H
 #define AIRLIGHT_WATCH_H
 

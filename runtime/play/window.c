@@ -66,8 +66,10 @@ static al_status open_folder(player *p, const char *path, bool again, al_error *
     snprintf(folder, sizeof folder, "%s", path);
     char *slash = strrchr(folder, '/');
     if (!stat(folder, &about) && !S_ISDIR(about.st_mode)) {
-        if (slash) *slash = 0;
-        else strcpy(folder, ".");
+        if (slash)
+            *slash = 0;
+        else
+            strcpy(folder, ".");
     }
     al_status status = al_runtime_load(p->runtime, folder, error);
     if (status) return status;
@@ -141,19 +143,32 @@ static void on_key(GLFWwindow *window, int key, int code, int action, int mods)
     if (action != GLFW_PRESS || al_panel_wants_keyboard()) return;
     if (key >= GLFW_KEY_1 && key <= GLFW_KEY_9) use_camera(p, key - GLFW_KEY_1);
     switch (key) {
-    case GLFW_KEY_ESCAPE: glfwSetWindowShouldClose(window, GLFW_TRUE); break;
-    case GLFW_KEY_TAB: p->panel_hidden = !p->panel_hidden; break;
-    case GLFW_KEY_H: p->help = !p->help; break;
-    case GLFW_KEY_P: p->screenshot = true; break;
+    case GLFW_KEY_ESCAPE:
+        glfwSetWindowShouldClose(window, GLFW_TRUE);
+        break;
+    case GLFW_KEY_TAB:
+        p->panel_hidden = !p->panel_hidden;
+        break;
+    case GLFW_KEY_H:
+        p->help = !p->help;
+        break;
+    case GLFW_KEY_P:
+        p->screenshot = true;
+        break;
     case GLFW_KEY_EQUAL:
-    case GLFW_KEY_KP_ADD: p->exposure_ev += 0.25f; break;
+    case GLFW_KEY_KP_ADD:
+        p->exposure_ev += 0.25f;
+        break;
     case GLFW_KEY_MINUS:
-    case GLFW_KEY_KP_SUBTRACT: p->exposure_ev -= 0.25f; break;
+    case GLFW_KEY_KP_SUBTRACT:
+        p->exposure_ev -= 0.25f;
+        break;
     case GLFW_KEY_F:
         al_eye_frame(&p->eye, &p->bounds);
         p->camera = p->applied_camera = -1;
         break;
-    default: break;
+    default:
+        break;
     }
 }
 
@@ -162,13 +177,17 @@ static void on_cursor(GLFWwindow *window, double x, double y)
 {
     const float radians_per_pixel = 0.006f;
     player *p = glfwGetWindowUserPointer(window);
-    float yaw = -radians_per_pixel * (float)(x - p->mouse[0]), pitch = -radians_per_pixel * (float)(y - p->mouse[1]);
+    float yaw = -radians_per_pixel * (float)(x - p->mouse[0]),
+          pitch = -radians_per_pixel * (float)(y - p->mouse[1]);
     p->mouse[0] = x;
     p->mouse[1] = y;
     if (al_panel_wants_mouse()) return;
-    if (glfwGetMouseButton(p->window, GLFW_MOUSE_BUTTON_LEFT)) al_eye_orbit(&p->eye, yaw, -pitch);
-    else if (glfwGetMouseButton(p->window, GLFW_MOUSE_BUTTON_RIGHT)) al_eye_look(&p->eye, 0.5f * yaw, 0.5f * pitch);
-    else return;
+    if (glfwGetMouseButton(p->window, GLFW_MOUSE_BUTTON_LEFT))
+        al_eye_orbit(&p->eye, yaw, -pitch);
+    else if (glfwGetMouseButton(p->window, GLFW_MOUSE_BUTTON_RIGHT))
+        al_eye_look(&p->eye, 0.5f * yaw, 0.5f * pitch);
+    else
+        return;
     p->camera = p->applied_camera = -1;
 }
 
@@ -183,7 +202,8 @@ static void fly(player *p, double seconds)
     float size = 0;
     for (int i = 0; i < 3; i++) size += fabsf(p->eye.target[i] - p->eye.position[i]);
     float step = size * (float)seconds * (glfwGetKey(p->window, GLFW_KEY_LEFT_SHIFT) ? 3 : 0.7f);
-    float right = key_axis(p->window, GLFW_KEY_D, GLFW_KEY_A), up = key_axis(p->window, GLFW_KEY_E, GLFW_KEY_Q);
+    float right = key_axis(p->window, GLFW_KEY_D, GLFW_KEY_A),
+          up = key_axis(p->window, GLFW_KEY_E, GLFW_KEY_Q);
     float forward = key_axis(p->window, GLFW_KEY_W, GLFW_KEY_S);
     if (right == 0 && up == 0 && forward == 0) return;
     al_eye_move(&p->eye, step * right, step * up, step * forward);
@@ -216,9 +236,17 @@ static al_status draw_scene(player *p, al_error *error)
 static void draw_panel(player *p)
 {
     if (p->panel_hidden) return;
-    al_panel_state state = {.runtime = p->runtime, .folder = p->folder, .message = p->message, .load = p->load,
-                            .settings = &p->settings, .exposure_ev = &p->exposure_ev, .camera = &p->camera,
-                            .times = p->times, .time_count = p->time_count, .frame_ms = p->frame_ms, .help = p->help};
+    al_panel_state state = {.runtime = p->runtime,
+                            .folder = p->folder,
+                            .message = p->message,
+                            .load = p->load,
+                            .settings = &p->settings,
+                            .exposure_ev = &p->exposure_ev,
+                            .camera = &p->camera,
+                            .times = p->times,
+                            .time_count = p->time_count,
+                            .frame_ms = p->frame_ms,
+                            .help = p->help};
     al_panel_draw(&state);
     if (p->camera != p->applied_camera) use_camera(p, p->camera);
 }
@@ -234,8 +262,10 @@ static al_status frame(player *p, al_error *error)
     fly(p, fmin(seconds, 0.1));
     reload_when_changed(p);
     al_status status = fit_target(p, width, height, error);
-    if (!status && al_runtime_scene(p->runtime)) status = draw_scene(p, error);
-    else if (!status) glBindFramebuffer(GL_FRAMEBUFFER, 0), glClear(GL_COLOR_BUFFER_BIT);
+    if (!status && al_runtime_scene(p->runtime))
+        status = draw_scene(p, error);
+    else if (!status)
+        glBindFramebuffer(GL_FRAMEBUFFER, 0), glClear(GL_COLOR_BUFFER_BIT);
     if (status) return status;
     if (p->screenshot && al_runtime_scene(p->runtime)) take_screenshot(p);
     p->screenshot = false;
@@ -252,7 +282,8 @@ static al_status open_window(player *p, al_error *error)
     const char *why = NULL;
     if (!glfwInit()) {
         glfwGetError(&why);
-        return al_fail(error, AL_NO_DEVICE, "no window: %s; --headless renders without a display", why ? why : "no display");
+        return al_fail(error, AL_NO_DEVICE, "no window: %s; --headless renders without a display",
+                       why ? why : "no display");
     }
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
@@ -261,7 +292,8 @@ static al_status open_window(player *p, al_error *error)
     p->window = glfwCreateWindow(p->options->size[0], p->options->size[1], "airlight", NULL, NULL);
     if (!p->window) {
         glfwGetError(&why);
-        return al_fail(error, AL_NO_DEVICE, "no window with OpenGL 4.5 core: %s", why ? why : "unknown reason");
+        return al_fail(error, AL_NO_DEVICE, "no window with OpenGL 4.5 core: %s",
+                       why ? why : "unknown reason");
     }
     glfwSetWindowUserPointer(p->window, p);
     glfwMakeContextCurrent(p->window);

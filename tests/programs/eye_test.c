@@ -27,8 +27,8 @@ static al_eye make_eye(float x, float y, float z)
     return al_eye_from_camera(&camera);
 }
 
-/* The target lies in the middle of the picture, whatever the way of looking, straight down included; the whole
- * box lies between the planes. Bounds: float matrices of numbers near one, 1e-5. */
+/* The target lies in the middle of the picture, whatever the way of looking, straight down included; the
+ * whole box lies between the planes. Bounds: float matrices of numbers near one, 1e-5. */
 static void test_view(void)
 {
     static const float places[][3] = {{0, 0, 4}, {3, 2, 1}, {0, 5, 0}, {0, -5, 0}, {-2, 0.5f, -3}};
@@ -53,7 +53,8 @@ static void test_offset(void)
 {
     const float centre[2] = {0, 0}, offset[2] = {0.25f, -0.5f}, point[3] = {0.3f, 0.4f, -0.2f};
     al_eye eye = make_eye(0, 0, 4);
-    al_view still = al_eye_view(&eye, &unit_box, centre, 640, 360), moved = al_eye_view(&eye, &unit_box, offset, 640, 360);
+    al_view still = al_eye_view(&eye, &unit_box, centre, 640, 360),
+            moved = al_eye_view(&eye, &unit_box, offset, 640, 360);
     double a[4], b[4];
     project(&still, point, a);
     project(&moved, point, b);
@@ -62,9 +63,10 @@ static void test_offset(void)
     CHECK_NEAR((b[1] / b[3] - a[1] / a[3]) * 180, -offset[1], 1e-3);
 }
 
-/* Frame 0 is the pixel's centre. 256 frames fall into a 4 x 4 grid of the pixel more evenly than random ones do:
- * random counts of mean 16 scatter by sqrt(16 * 15 / 16) = 3.9, the worst of sixteen by about 7; at most 4 are
- * allowed here (measured: 3). The mean, which shifts the picture, stays within a hundredth of a pixel (random: 0.018). */
+/* Frame 0 is the pixel's centre. 256 frames fall into a 4 x 4 grid of the pixel more evenly than random ones
+ * do: random counts of mean 16 scatter by sqrt(16 * 15 / 16) = 3.9, the worst of sixteen by about 7; at most
+ * 4 are allowed here (measured: 3). The mean, which shifts the picture, stays within a hundredth of a pixel
+ * (random: 0.018). */
 static void test_jitter(void)
 {
     enum { COUNT = 256 };
@@ -102,11 +104,12 @@ static void test_moves(void)
     CHECK(memcmp(looking.target, eye.target, sizeof eye.target));
     al_eye_zoom(&eye, 0.5f);
     CHECK_NEAR(sqrt(eye.position[0] * eye.position[0] + eye.position[1] * eye.position[1] +
-                    eye.position[2] * eye.position[2]), 1.5, 1e-3);
+                    eye.position[2] * eye.position[2]),
+               1.5, 1e-3);
 }
 
-/* Straight up to the knee, monotone, of slope one where the parts meet, below 1 for everything finite that float
- * can tell from it. */
+/* Straight up to the knee, monotone, of slope one where the parts meet, below 1 for everything finite that
+ * float can tell from it. */
 static void test_tone(void)
 {
     float before = -1;
@@ -116,7 +119,8 @@ static void test_tone(void)
         if (x <= 0.6f) CHECK(y == x);
         before = y;
     }
-    CHECK_NEAR((al_tone_map(0.601f) - al_tone_map(0.6f)) / 0.001, 1, 0.002); /* second order: 0.001 / (2 * 0.4) */
+    CHECK_NEAR((al_tone_map(0.601f) - al_tone_map(0.6f)) / 0.001, 1,
+               0.002); /* second order: 0.001 / (2 * 0.4) */
     CHECK(al_tone_map(1e30f) == 1);
 }
 
