@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <xxhash.h>
 
 #include "airlight/program.h"
 #include "airlight/translucent.h"
@@ -136,13 +137,26 @@ static al_status bake_objects(bake *b, al_error *error)
     return AL_OK;
 }
 
+/* Of everything scene.air is made from: the scene file and all it names. */
+static uint64_t scene_key(const al_import *import)
+{
+    uint64_t key = XXH64(AIRLIGHT_VERSION, sizeof AIRLIGHT_VERSION, 0);
+    for (uint32_t i = 0; i < import->input_count; i++) key = XXH64(&import->inputs[i].xxh64, sizeof(uint64_t), key);
+    return key;
+}
+
 static al_status write_scene(bake *b, al_error *error)
 {
     double started = al_program_seconds();
-    char path[1400];
-    uint64_t bytes = 0;
+    char path[1400], provenance[64];
+    uint64_t bytes = 0, key = scene_key(b->import), present;
     snprintf(path, sizeof path, "%s/scene.air", b->arguments->folder);
-    al_status status = al_scene_write(path, &b->import->scene, "{}", &bytes, error);
+    if (asset_key(path, AL_KIND_SCENE, &present) && present == key) {
+        al_program_say(b->program, "%s is up to date", path);
+        return AL_OK;
+    }
+    snprintf(provenance, sizeof provenance, "{\"key\":\"%016llx\"}", (unsigned long long)key);
+    al_status status = al_scene_write(path, &b->import->scene, provenance, &bytes, error);
     b->report.steps.steps[b->report.steps.count++] = (al_step){"scene", al_program_seconds() - started, bytes, b->import->scene.instance_count};
     return status;
 }
