@@ -47,8 +47,10 @@ run 0 play --pass translucent --out "$work/b.exr"
 differs "$work/a.exr" "$work/b.exr"
 run 0 play --no-surface --out "$work/b.exr"
 differs "$work/a.exr" "$work/b.exr"
-run 0 play --exposure 3 --out "$work/b.exr"
-same "$work/a.exr" "$work/b.exr" # EXR is before exposure
+run 0 play --exposure 3 --out "$work/b.exr" --out "$work/b.png"
+same "$work/a.exr" "$work/b.exr" # EXR is before exposure, PNG after
+! cmp -s "$work/a.png" "$work/b.png" || wrong "--exposure does not change the PNG"
+run 0 play --size 1x1 --out "$work/b.exr"
 run 0 play --samples 20 --no-surface --out "$work/b.exr"
 run 0 play --no-surface --out "$work/c.exr"
 differs "$work/b.exr" "$work/c.exr"
