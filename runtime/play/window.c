@@ -80,6 +80,7 @@ static al_status open_folder(player *p, const char *path, bool again, al_error *
     p->load = (al_load_state){0};
     p->message[0] = 0;
     p->bounds = al_bounds_of_scene(scene);
+    if (p->camera >= (int)scene->camera_count) p->camera = p->applied_camera = -1;
     if (again) return AL_OK;
     p->exposure_ev = (float)al_play_exposure(p->options, scene);
     status = al_play_camera(p->options, scene, &camera, error);
