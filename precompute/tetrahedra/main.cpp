@@ -189,8 +189,8 @@ bool write_mesh(FILE *out, const char *magic, const double *points, uint64_t poi
 }
 
 /* What the child ends with. TetGen's own codes: 1 memory, 2 internal, 3 self-intersection, 4 and 5 features
- * too small or too close, 10 input. */
-enum : int { OUT_OF_MEMORY = 1, INTERNAL = 2, FAILED_TO_WRITE = 100, NO_INTERIOR = 101 };
+ * too small or too close, 10 input; whoever else ends the child (a sanitizer: 1) means as much as 2. */
+enum : int { INTERNAL = 2, FAILED_TO_WRITE = 100, NO_INTERIOR = 101, OUT_OF_MEMORY = 102 };
 
 /* p: fill a surface. Y: keep its triangles. A: number the regions. z: count from 0. Q: no words. */
 int work(const surface &from, FILE *out)
@@ -205,6 +205,7 @@ int work(const surface &from, FILE *out)
         const uint64_t count = static_cast<uint64_t>(mesh.numberofpoints);
         return write_mesh(out, "ALTETOU1", mesh.pointlist, count, corners) ? 0 : FAILED_TO_WRITE;
     } catch (int code) {
+        if (code == 1) return OUT_OF_MEMORY;
         return code > 0 && code < FAILED_TO_WRITE ? code : INTERNAL;
     } catch (const std::bad_alloc &) {
         return OUT_OF_MEMORY;
@@ -277,8 +278,7 @@ al_status run(const char *input, const char *output, bool verbose, al_error *err
     FILE *out = output ? std::fopen(output, "wb") : stdout;
     if (!out) return al_fail_errno(error, output, "open");
     int code = work_in_child(from, out, verbose);
-    if (code > OUT_OF_MEMORY && code < FAILED_TO_WRITE && !from.corners.empty())
-        code = work_with_columns(from, out);
+    if (code > 0 && code < FAILED_TO_WRITE && !from.corners.empty()) code = work_with_columns(from, out);
     if (output) std::fclose(out);
     const al_status status = explain(code, name, error);
     if (status && output) std::remove(output);
