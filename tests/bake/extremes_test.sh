@@ -1,0 +1,87 @@
+#!/bin/sh
+# The bake at its extremes: right against the closed form, or refused with one line. Spheres: from the centre the
+# transmittance is exp(-sigma_t R) in every direction.
+# usage: extremes_test.sh FOLDER_OF_PROGRAMS
+set -u
+bin=$1
+. "$(dirname "$0")/../programs/expect.sh"
+
+# scene RADIUS_M MEDIUM BAKE: a sphere and its medium.
+scene() {
+    cat >"$work/scene.json" <<SCENE
+{
+  "meshes": [{"name": "ball", "shape": {"type": "sphere", "radius_m": $1, "subdivisions": 4}}],
+  "lights": [{"name": "sun", "type": "directional", "direction": [0, -1, 0], "irradiance_w_m2": 1}],
+  "media": [{"name": "inside", $2}],
+  "translucents": [{"name": "object", "mesh": "ball", "medium": "inside"}],
+  "bake": {"coefficient_format": "float", $3}
+}
+SCENE
+}
+plain='"directions": 64, "grid_resolution": 32, "samples": 3000, "sh_order": 3'
+
+# right NAME TAU TOLERANCE: bakes, is valid, and answers exp(-TAU) at the centre. What the asset answers is a mean
+# over the samples whose Gaussians reach the centre: lying within reach q (in radii) on all sides, they give between
+# 1 and cosh(q TAU) of it; the voxels give 2 % of TAU, the format and float sums TOLERANCE.
+right() {
+    rm -rf "$work/baked"
+    run 0 "$bin/airlight-bake" "$work/scene.json" -o "$work/baked" --quiet
+    asset=$work/baked/object.translucent.air
+    run 0 "$bin/airlight-inspect" --check "$asset"
+    run 0 "$bin/airlight-inspect" --json "$asset"
+    reach=$(tr -d ' \n' <"$work/stdout" | sed 's/.*"bounds_max_m":\[\([^,]*\),.*"gaussian_radius_m":\[[^,]*,\([^]]*\)\].*/\1 \2/')
+    run 0 "$bin/airlight-inspect" "$asset" --eval '{"position":[0,0,0],"direction":[0.3,0.5,-0.8]}'
+    value=$(tr -d ' \n' <"$work/stdout" | sed 's/.*"transmittance":\[\([^,]*\),.*/\1/')
+    echo "$value $2 $3 $reach" | awk '{
+        q = $5 / $4 * $2; e = exp(-$2); high = e * (exp(q) + exp(-q)) / 2
+        exit !($1 >= e * (1 - 0.02 * $2) - $3 && $1 <= high * (1 + 0.02 * $2) + $3) }' ||
+        wrong "$1: transmittance $value where exp(-$2) is expected (radius and reach $reach)"
+    echo "$1: $value"
+}
+refused() {
+    rm -rf "$work/baked"
+    fails 3 "$2" "$bin/airlight-bake" "$work/scene.json" -o "$work/baked" --quiet
+    empty "$work/baked"
+    echo "$1: refused"
+}
+
+# Optical thickness tau = sigma_t R, and sizes.
+for size in 1e-4 1 1e4; do
+    for tau in 1e-6 1e-3 1 3; do
+        sigma=$(awk -v t=$tau -v r=$size 'BEGIN { printf "%.9g", t / r }')
+        scene $size "\"sigma_s_per_m\": $sigma, \"sigma_a_per_m\": 0" "$plain"
+        right "radius $size m, tau $tau" $tau 1e-6
+    done
+done
+scene 1 '"sigma_s_per_m": 1e4, "sigma_a_per_m": 0' "$plain"
+right "tau 1e4" 700 1e-6
+
+# Albedo and phase function do not touch the transmittance.
+for albedo in 0 0.999999 1; do
+    scene 1 "\"albedo\": $albedo, \"mean_free_path_m\": 1" "$plain"
+    right "albedo $albedo" 1 1e-6
+done
+for g in -0.99 0.99; do
+    scene 1 "\"sigma_s_per_m\": 1, \"sigma_a_per_m\": 0, \"g\": $g" "$plain"
+    right "g $g" 1 1e-6
+done
+scene 1 '"sigma_s_per_m": 0, "sigma_a_per_m": 0' "$plain"
+refused "no extinction" sigma_s_per_m
+
+# Counts.
+scene 1 '"sigma_s_per_m": 1, "sigma_a_per_m": 0' '"directions": 64, "grid_resolution": 32, "samples": 1, "sh_order": 1'
+right "one sample" 1 1e-6
+scene 1 '"sigma_s_per_m": 1, "sigma_a_per_m": 0' '"directions": 2, "grid_resolution": 32, "samples": 200, "sh_order": 1'
+right "two directions" 1 1e-6
+scene 1 '"sigma_s_per_m": 1e-6, "sigma_a_per_m": 0' '"directions": 32, "grid_resolution": 1, "samples": 10, "sh_order": 2'
+right "one voxel" 1e-6 1e-6
+scene 1 '"sigma_s_per_m": 1, "sigma_a_per_m": 0' '"directions": 32, "grid_resolution": 16, "samples": 0, "sh_order": 2'
+refused "no sample" samples
+
+scene 1 '"sigma_s_per_m": 1, "sigma_a_per_m": 0, "density": {"type": "constant", "scale": 0}' "$plain"
+refused "no density" "density"
+scene 1 '"sigma_s_per_m": -1, "sigma_a_per_m": 0' "$plain"
+refused "negative scattering" sigma_s_per_m
+scene 1 '"sigma_s_per_m": 1, "sigma_a_per_m": 0, "g": 1' "$plain"
+refused "g 1" g
+finish
