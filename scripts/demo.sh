@@ -11,7 +11,7 @@ build/bin/airlight-bake assets/default.json -o "$baked"
 for asset in "$baked"/*.air; do
     build/bin/airlight-inspect --check "$asset"
 done
-build/bin/airlight-play "$baked" --headless --size 1280x720 --frames 16 --accumulate \
+build/bin/airlight-play "$baked" --headless --size 1280x720 --frames 8 --accumulate \
     --out "$picture.exr" --out "$picture.png" --stats "$picture.stats.json"
 
 echo
