@@ -126,6 +126,13 @@ static int line_of(const source *from, const char *at)
     return (int)low + 1;
 }
 
+/* Messages are one line, whatever keys and files hold. */
+static void flatten(char *text)
+{
+    for (; *text; text++)
+        if ((unsigned char)*text < ' ') *text = ' ';
+}
+
 static void append_path(const node *place, char path[PATH_LIMIT])
 {
     if (place->parent) append_path(place->parent, path);
@@ -146,6 +153,8 @@ static al_status fail_at(const node *place, al_error *error, const char *format,
     va_start(arguments, format);
     vsnprintf(sentence, sizeof sentence, format, arguments);
     va_end(arguments);
+    flatten(path);
+    flatten(sentence);
     return al_fail(error, AL_BAD_INPUT, "%s:%d: %s: %s", place->from->path, line_of(place->from, place->at),
                    *path ? path : "the scene", sentence);
 }
@@ -400,8 +409,7 @@ static al_status wrong_value(const node *place, const al_scene_key *key, al_erro
 {
     char found[64] = "", right[SENTENCE_LIMIT];
     size_t size = (size_t)(skip_value(place->at) - place->at), used = 0;
-    for (size_t i = 0; i < size && used < 40; i++)
-        found[used++] = (unsigned char)place->at[i] < ' ' ? ' ' : place->at[i];
+    for (size_t i = 0; i < size && used < 40; i++) found[used++] = place->at[i];
     if (size > used) memcpy(found + used, "...", 4);
     describe(key, right);
     return fail_at(place, error, "is %s; %s is right", found, right);
@@ -1210,8 +1218,7 @@ static al_status parse_json(const source *from, json_t **root, al_error *error)
     json_error_t where;
     *root = json_loads(from->text, JSON_REJECT_DUPLICATES, &where);
     if (*root) return AL_OK;
-    for (char *at = where.text; *at; at++)
-        if ((unsigned char)*at < ' ') *at = ' ';
+    flatten(where.text);
     return al_fail(error, AL_BAD_INPUT, "%s:%d: not valid JSON: %s", from->path, where.line, where.text);
 }
 

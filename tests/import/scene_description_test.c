@@ -37,6 +37,8 @@ static void test_refusals(void)
     refuse("{\n\n  \"colour\": 1}",
            "3: colour: unknown key; known here: $schema, comment, unit_m, meshes, materials, "
            "lights, environment, cameras, media, translucents, bake, play");
+    refuse("{\"a\\nb\": 1}", "1: a b: unknown key; known here: $schema, comment, unit_m, meshes, materials, "
+                             "lights, environment, cameras, media, translucents, bake, play");
     refuse("{\"unit_m\": 0}", "1: unit_m: is 0; a number from 1e-09 to 1000000000 is right");
     refuse("{\"unit_m\": -1}", "1: unit_m: is -1; a number from 1e-09 to 1000000000 is right");
     refuse("{\"unit_m\": \"1\"}", "1: unit_m: is \"1\"; a number from 1e-09 to 1000000000 is right");
