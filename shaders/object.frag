@@ -1,6 +1,6 @@
 #version 450 core
 // Joins one translucent object with what lies behind it: radiance = L + T * behind (blended by the second
-// output). With surface shading the boundary reflects F of what falls on it and lets 1 - F through to the eye.
+// output). With surface shading the boundary reflects a share F of what falls on it and lets 1 - F through.
 #extension GL_GOOGLE_include_directive : enable
 #include "formulas.glsl"
 #include "frame.glsl"

@@ -55,16 +55,21 @@ vec3 shade_lights(Surface s, bool shadows)
     return sum;
 }
 
-// Diffuse light from the irradiance of nine coefficients; the lobe from the picture's mip of its width, times
-// Karis's fit of the lobe's hemispherical reflectance (Karis 2014, "Physically based shading on mobile").
-vec3 shade_environment(Surface s)
+// What the lobe reflects of even light from all sides: Karis's fit (2014, "Physically based shading on mobile").
+vec3 lobe_albedo(Surface s)
 {
-    if (counts.z == 0) return vec3(0.0);
     float seen = clamp(dot(s.normal, s.view), 0.0, 1.0);
     vec4 r = s.roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
     float a = min(r.x * r.x, exp2(-9.28 * seen)) * r.x + r.y;
     vec2 fit = vec2(-1.04, 1.04) * a + r.zw;
-    vec3 lobe = clamp(s.f0 * fit.x + fit.y, vec3(0.0), vec3(1.0));
+    return clamp(s.f0 * fit.x + fit.y, vec3(0.0), vec3(1.0));
+}
+
+// Diffuse light from the irradiance of nine coefficients; the lobe's from the picture's mip of its width.
+vec3 shade_environment(Surface s)
+{
+    if (counts.z == 0) return vec3(0.0);
+    vec3 lobe = lobe_albedo(s);
     vec3 irradiance = environment_bands(s.normal, vec3(AL_PI, 2.0 * AL_PI / 3.0, AL_PI / 4.0));
     vec3 mirrored = environment_radiance(reflect(-s.view, s.normal), s.roughness * float(max(counts.w - 3, 0)));
     return (1.0 - lobe) * s.diffuse * irradiance / AL_PI + lobe * mirrored;

@@ -1,7 +1,7 @@
 #version 450 core
 // Opaque: shaded radiance, normal and distance along the pixel's ray. AL_BOUNDARY: the boundary of a translucent
 // object, whose distance is negative where its back face comes first (the eye is inside) and whose light is the
-// reflected part alone, with the Fresnel reflectance beside it.
+// reflected part alone, with the share that it reflects beside it.
 #extension GL_GOOGLE_include_directive : enable
 #include "shade.glsl"
 
@@ -73,8 +73,9 @@ void main()
 #ifdef AL_BOUNDARY
     s.diffuse = vec3(0.0);
     s.f0 = vec3(optics.x);
+    if (optics.x == 0.0) return; // index-matched
     radiance = vec4(shade_lights(s, choice.y != 0) + shade_environment(s),
-                    optics.x > 0.0 ? fresnel(s.f0, dot(s.normal, s.view)).x : 0.0);
+                    lobe_albedo(s).x);
 #else
     s.diffuse = color * (1.0 - metallic);
     s.f0 = mix(vec3(optics.x), color, metallic);

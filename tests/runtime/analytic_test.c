@@ -69,7 +69,7 @@ static void compare(int index, const char *folder, const sphere_options *options
     for (int i = 0; i < ROWS * ROWS; i++) {
         double wanted = oracle[index].radiance[i];
         sums[0] += (image[i] - wanted) * (image[i] - wanted);
-        sums[1] += wanted * wanted; if (getenv("AL_V")) printf("%7.4f/%7.4f%s", image[i]*100, wanted*100, i%7==6?"\n":"  ");
+        sums[1] += wanted * wanted;
     }
     al_runtime_destroy(runtime);
     sphere_scene_end(&s);
@@ -82,19 +82,24 @@ static double relative_rmse(const char *folder, const sphere_options *options, c
     return sqrt(sums[0] / sums[1]);
 }
 
-int main(int argc, char **argv)
+int main(void)
 {
-    const al_settings marched = {.surface_off = true, .background_off = true, .pass = AL_PASS_TRANSLUCENT};
-    const al_settings published = {.surface_off = true, .background_off = true, .pass = AL_PASS_TRANSLUCENT,
-                                   .view_leg = AL_VIEW_LEG_SH};
+    const al_settings marched = {.surface_off = true, .background_off = true};
+    const al_settings published = {.surface_off = true, .background_off = true, .view_leg = AL_VIEW_LEG_SH};
     if (!stage_open()) return test_skip("no OpenGL 4.5 context");
     const char *folder = stage_folder();
-    int samples = argc > 1 ? atoi(argv[1]) : 0;
-    sphere_options o5 = {.samples = samples ? samples : 8000, .order = 5}, o8 = o5;
-    o8.order = 8;
-    double errors[4] = {0, relative_rmse(folder, &o8, &marched)};
-    if (argc < 2) { errors[0] = relative_rmse(folder, &o5, &marched); errors[2] = relative_rmse(folder, &o5, &published); errors[3] = relative_rmse(folder, &o8, &published); }
-    printf("relative RMSE, %u samples: marched order 5 %.4f, order 8 %.4f; published order 5 %.4f, order 8 %.4f\n",
-           o5.samples, errors[0], errors[1], errors[2], errors[3]);
+    const sphere_options few = {.samples = 1000, .order = 8}, many = {.samples = 8000, .order = 8};
+    const sphere_options narrow = {.samples = 8000, .order = 5};
+    double coarse = relative_rmse(folder, &few, &marched), fine = relative_rmse(folder, &many, &marched);
+    double band = relative_rmse(folder, &narrow, &marched), paper = relative_rmse(folder, &many, &published);
+    printf("relative RMSE: marched %.4f with 1000 samples, %.4f with 8000, order 5 %.4f; published %.4f\n", coarse, fine,
+           band, paper);
+    /* These Gaussians are not weighted to sum to one at the boundary, where most light is: that leaves an error of
+     * first order in the spacing, 13 % at 1000 samples, so half of it at eight times as many. Order 5 adds its band
+     * limit. As published nothing divides by the sum of the Gaussians: 19 % when this was written. */
+    CHECK(coarse < 0.14);
+    CHECK(fine < 0.55 * coarse);
+    CHECK(band < fine + 0.031);
+    CHECK(fine < paper && paper < 0.21);
     return test_end();
 }
