@@ -14,9 +14,16 @@ struct Surface {
     int own_caster; // whose medium does not shadow this surface, -1
 };
 
+// Schlick's reflectance at grazing angles is 1, but an index-matched surface reflects nothing (Lagarde and de
+// Rousiers 2014).
+vec3 grazing(vec3 f0)
+{
+    return clamp(50.0 * f0, vec3(0.0), vec3(1.0));
+}
+
 vec3 fresnel(vec3 f0, float cosine)
 {
-    return f0 + (1.0 - f0) * pow(clamp(1.0 - cosine, 0.0, 1.0), 5.0);
+    return f0 + (grazing(f0) - f0) * pow(clamp(1.0 - cosine, 0.0, 1.0), 5.0);
 }
 
 // GGX lobe times the cosine towards the light; diffuse light is what the Fresnel term leaves.
@@ -62,7 +69,7 @@ vec3 lobe_albedo(Surface s)
     vec4 r = s.roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
     float a = min(r.x * r.x, exp2(-9.28 * seen)) * r.x + r.y;
     vec2 fit = vec2(-1.04, 1.04) * a + r.zw;
-    return clamp(s.f0 * fit.x + fit.y, vec3(0.0), vec3(1.0));
+    return clamp(s.f0 * fit.x + fit.y * grazing(s.f0), vec3(0.0), vec3(1.0));
 }
 
 // Diffuse light from the irradiance of nine coefficients; the lobe's from the picture's mip of its width.

@@ -1,0 +1,160 @@
+/* The extremes: optical depths from 1e-6 to 1e4, eyes inside, no and 64 lights, no samples, one pixel, a large
+ * view in tiles. Nothing may be negative or not finite; where a closed form exists it is met. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "../test.h"
+#include "airlight/formulas.h"
+#include "sphere.h"
+#include "stage.h"
+
+enum { EDGE = 33 };
+
+static al_runtime *open_sphere(const char *folder, const sphere_options *options, int lights)
+{
+    al_runtime *runtime = NULL;
+    al_error error = {0};
+    sphere_scene s;
+    sphere_scene_begin(&s);
+    sphere_scene_add(&s, "sphere.air", 1, (float[3]){0, 0, 0});
+    for (int i = 0; i < lights; i++)
+        sphere_scene_add_light(&s, i % 2 ? AL_LIGHT_POINT : AL_LIGHT_DIRECTIONAL,
+                               i % 2 ? (float[3]){3, 0, 3} : (float[3]){0, 0, -1}, 1);
+    CHECK(sphere_write_asset(folder, "sphere.air", options) && sphere_scene_write(folder, &s));
+    CHECK(al_runtime_create(NULL, &runtime, &error) == AL_OK);
+    CHECK(stage_load(runtime, folder));
+    sphere_scene_end(&s);
+    return runtime;
+}
+
+/* The middle pixel's mean over frames; every pixel is checked. */
+static double middle_of(al_runtime *runtime, const al_view *view, const al_settings *settings, int frames)
+{
+    double sum = 0;
+    size_t count = (size_t)view->width * view->height * 3;
+    for (int i = 0; i < frames; i++) {
+        float *pixels = stage_draw(runtime, view, settings, 0);
+        CHECK(pixels && stage_bad(pixels, count) == 0);
+        if (pixels) sum += pixels[3 * (view->height / 2 * view->width + view->width / 2)] / frames;
+        free(pixels);
+    }
+    return sum;
+}
+
+/* Thin: L = albedo sigma chord E / (4 pi), whatever the depth; both view legs. The background loses 1 - exp(-tau)
+ * in every case. */
+static void test_optical_depths(const char *folder)
+{
+    al_view view = stage_ortho(EDGE, EDGE, 1.1f);
+    for (int exponent = -6; exponent <= 4; exponent++) {
+        float sigma = powf(10, (float)exponent) / 2; /* times 2 m */
+        al_runtime *runtime = open_sphere(folder, &(sphere_options){.sigma_t = {sigma}, .samples = 1500}, 1);
+        al_settings settings = {.surface_off = true};
+        al_runtime_scene(runtime)->play.background[0] = 1;
+        for (settings.view_leg = AL_VIEW_LEG_MARCHED; settings.view_leg <= AL_VIEW_LEG_SH; settings.view_leg++) {
+            settings.pass = AL_PASS_TRANSLUCENT;
+            double scattered = middle_of(runtime, &view, &settings, 4), thin = 0.9 * sigma * 2 / (4 * AL_PI);
+            /* Marched: a voxel of 64 across; SH: the sum of the Gaussians along the chord is not divided out. */
+            double bound = settings.view_leg == AL_VIEW_LEG_MARCHED ? 0.03 : 0.15;
+            if (exponent <= -3) CHECK_NEAR(scattered / thin, 1, bound);
+            CHECK(scattered < 0.9 / (8 * AL_PI) * 1.2); /* a half-space of it sends albedo E / (8 pi) back */
+            settings.pass = AL_PASS_COMPOSITE;
+            double through = middle_of(runtime, &view, &settings, 1) - scattered;
+            if (exponent <= 1) CHECK_NEAR(through, exp(-2 * sigma), 0.02);
+            if (exponent > 1) CHECK_NEAR(through, 0, 0.005);
+        }
+        al_runtime_destroy(runtime);
+    }
+}
+
+static void test_inside(const char *folder)
+{
+    al_runtime *runtime = open_sphere(folder, &(sphere_options){.samples = 1500}, 2);
+    static const float eyes[][3] = {{0, 0, 0}, {0.3f, 0.2f, 0.1f}, {0, 0, 0.999f}, {0, 0, 1.0001f}, {0, 0, 1.02f}};
+    for (size_t i = 0; i < sizeof eyes / sizeof eyes[0]; i++) {
+        al_view view = stage_look(EDGE, EDGE, eyes[i], (float[3]){eyes[i][0], eyes[i][1], eyes[i][2] - 1}, 1.2f);
+        for (int pass = 0; pass < AL_PASS_COUNT; pass++)
+            middle_of(runtime, &view, &(al_settings){.surface_off = true, .pass = (al_pass)pass}, 1);
+        double seen = middle_of(runtime, &view, &(al_settings){.pass = AL_PASS_TRANSLUCENT}, 4);
+        CHECK(seen > 0.005);
+    }
+    /* From the middle outwards along -z with the sun in the back, at distance t from the eye: light came through
+     * 1 + t, goes back t: L = albedo sigma / (4 pi) times the integral of exp(-2 (1 + 2 t)), t from 0 to 1. The
+     * second light stands off by 3 m each in x and z, its share is taken out. */
+    al_runtime_scene(runtime)->lights[1].intensity[0] = 0;
+    al_view view = stage_look(EDGE, EDGE, (float[3]){0, 0, 0}, (float[3]){0, 0, -1}, 0.1f);
+    double seen = middle_of(runtime, &view, &(al_settings){.pass = AL_PASS_TRANSLUCENT}, 4);
+    double wanted = 0.9 * 2 / (4 * AL_PI) * exp(-2) * (1 - exp(-4)) / 4;
+    CHECK_NEAR(seen / wanted, 1, 0.25); /* 1500 samples stand 0.14 m apart, a quarter of the mean free path */
+    /* A light in the same place as the eye, inside a sample. */
+    al_runtime_scene(runtime)->lights[1].intensity[0] = 1;
+    memset(al_runtime_scene(runtime)->lights[1].vector, 0, 12);
+    CHECK(middle_of(runtime, &view, &(al_settings){.pass = AL_PASS_TRANSLUCENT}, 1) > seen);
+    al_runtime_destroy(runtime);
+}
+
+static void test_lights(const char *folder)
+{
+    al_view view = stage_ortho(EDGE, EDGE, 1.1f);
+    const al_settings settings = {.surface_off = true, .pass = AL_PASS_TRANSLUCENT};
+    al_runtime *none = open_sphere(folder, &(sphere_options){.samples = 500}, 0);
+    CHECK(middle_of(none, &view, &settings, 1) == 0);
+    al_runtime_destroy(none);
+    al_runtime *all = open_sphere(folder, &(sphere_options){.samples = 500}, 64);
+    double together = middle_of(all, &view, &settings, 1);
+    al_runtime_scene(all)->light_count = 2;
+    double two = middle_of(all, &view, &settings, 1);
+    /* 32 times the same pair, but for the jitter and its slope in each ball. */
+    CHECK_NEAR(together / two, 32, 0.1);
+    al_runtime_destroy(all);
+}
+
+static void test_sizes(const char *folder)
+{
+    al_runtime *empty = open_sphere(folder, &(sphere_options){.samples = UINT32_MAX}, 1);
+    al_view view = stage_ortho(EDGE, EDGE, 1.1f), pixel = stage_ortho(1, 1, 0.1f);
+    for (int pass = 0; pass < AL_PASS_COUNT; pass++)
+        middle_of(empty, &view, &(al_settings){.pass = (al_pass)pass}, 1);
+    al_runtime_destroy(empty);
+    al_runtime *runtime = open_sphere(folder, &(sphere_options){.samples = 500}, 1);
+    CHECK(middle_of(runtime, &pixel, &(al_settings){.pass = AL_PASS_TRANSLUCENT}, 1) > 0.02);
+    al_error error = {0};
+    pixel.width = 0;
+    CHECK(al_runtime_draw(runtime, &pixel, NULL, 0, 0, &error) == AL_USAGE);
+    CHECK(al_runtime_draw(runtime, &view, &(al_settings){.interval_count = 3}, 0, 0, &error) == AL_USAGE);
+    CHECK(al_runtime_draw(runtime, &view, &(al_settings){.march_voxels = -1}, 0, 0, &error) == AL_USAGE);
+    al_runtime_destroy(runtime);
+}
+
+/* A view of three tiles shows in its middle what a small view of that part shows. */
+static void test_tiles(const char *folder)
+{
+    al_runtime *runtime = open_sphere(folder, &(sphere_options){.samples = 200}, 1);
+    al_view wide = stage_ortho(4100, 16, 1), narrow = stage_ortho(16, 16, 1);
+    wide.projection[0] = 1 / (4100.0f / 16);
+    const al_settings settings = {.surface_off = true, .pass = AL_PASS_UNITY, .detail_off = true};
+    float *all = stage_draw(runtime, &wide, &settings, 0), *part = stage_draw(runtime, &narrow, &settings, 0);
+    CHECK(all && part && stage_bad(all, 4100 * 16 * 3) == 0);
+    double worst = 0;
+    for (int y = 0; all && part && y < 16; y++)
+        for (int x = 0; x < 16; x++)
+            worst = fmax(worst, fabs(all[3 * (y * 4100 + 2042 + x)] - part[3 * (y * 16 + x)]));
+    /* Jitter moves the medium's ends by up to half a voxel of 1/30 m. */
+    CHECK_NEAR(worst, 0, 0.1);
+    CHECK(all && stage_sum(all, 4100 * 16 * 3) > 0.5 * stage_sum(part, 16 * 16 * 3));
+    free(all);
+    free(part);
+    al_runtime_destroy(runtime);
+}
+
+int main(void)
+{
+    if (!stage_open()) return test_skip("no OpenGL 4.5 context");
+    const char *folder = stage_folder();
+    test_optical_depths(folder);
+    test_inside(folder);
+    test_lights(folder);
+    test_sizes(folder);
+    test_tiles(folder);
+    return test_end();
+}
