@@ -14,7 +14,7 @@ for program in bake play inspect reference compare tetrahedra; do
 done
 
 cd "$work"
-cmake -S "$here/consumer" -B package -DCMAKE_PREFIX_PATH="$work/prefix"
+cmake -G Ninja -S "$here/consumer" -B package -DCMAKE_PREFIX_PATH="$work/prefix"
 cmake --build package
 package/consumer
 
