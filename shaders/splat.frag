@@ -52,7 +52,7 @@ float alpha_of(Share share)
 float mean_gauss(float x0, float x1, float erf0, float erf1)
 {
     float d = x1 - x0, middle = 0.5 * (x0 + x1);
-    return d > 0.03 ? 0.886226925452758 * (erf1 - erf0) / d : exp(-middle * middle);
+    return d > 0.03 ? 0.886226925452758 * max(erf1 - erf0, 0.0) / d : exp(-middle * middle);
 }
 
 // Share of the interval [low, high] that lies in [from, to]; a jump (low = high) counts whole when it is inside.
@@ -139,9 +139,10 @@ void main()
 #ifdef AL_CHROMATIC
         float tau = texelFetch(knots, ivec3(place, 2 * groups - 1), 0).w;
 #else
-        float tau = -log(max(1.0 - step * float(count), 1e-30));
+        float gone = step * float(count); // -log(1 - gone), without cancellation
+        float tau = gone < 0.02 ? gone * (1.0 + gone * (0.5 + gone / 3.0)) : -log(max(1.0 - gone, 1e-30));
 #endif
-        float extinction = (end.z - tau) / max(high - low, 1e-30);
+        float extinction = max(end.z - tau, 0.0) / max(high - low, 1e-30);
         float tau_from = tau + extinction * (here - low), tau_to = tau + extinction * (to - low);
 #ifdef AL_CHROMATIC
         vec3 lost = exp(-ratio.rgb * tau_from) * vec3(al_one_minus_exp(ratio.r * (tau_to - tau_from)),
@@ -156,9 +157,9 @@ void main()
         moment += alpha_of(share) * (here + to);
         break;
     }
-    // The light where the shares lie on the mean.
+    // The light where the shares lie on the mean; beyond e^2 times the sample's own it would be a guess.
     float mean_t = 0.5 * moment / max(alpha_of(part), 1e-30) - middle;
-    vec3 here_light = light * exp(clamp(dot(slope, mean_t * direction - across), -1.0, 1.0));
+    vec3 here_light = light * exp(clamp(dot(slope, mean_t * direction - across), -2.0, 2.0));
     part *= profile;
 #ifdef AL_CHROMATIC
     sum = vec4(here_light * part.rgb, part.a);

@@ -87,7 +87,10 @@ AL_FORMULA AL_REAL al_erf(AL_REAL x)
 AL_FORMULA AL_REAL al_gauss_span(AL_REAL from, AL_REAL to)
 {
     AL_REAL d = to - from;
-    if (d > 0.25) return 0.886226925452758 * (al_erf(to) - al_erf(from));
+    if (d > 0.25) {
+        AL_REAL span = 0.886226925452758 * (al_erf(to) - al_erf(from));
+        return span > 0.0 ? span : 0.0;
+    }
     AL_REAL m = from + 0.5 * d, q = m * m, s = d * d;
     return d * exp(-q) * (1.0 + s * ((4.0 * q - 2.0) / 24.0 + s * (16.0 * q * q - 48.0 * q + 12.0) / 1920.0));
 }
