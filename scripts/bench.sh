@@ -1,8 +1,69 @@
 #!/bin/sh
-# Installs what is missing, builds, and runs the benchmarks one after the other: the tests that are registered
-# with CONFIGURATIONS bench. Arguments go to ctest: scripts/bench.sh -R frames
+# Prints the table of docs/performance.md: the bake's steps and the player's frames, as ratios inside one run.
+# usage: scripts/bench.sh [FOLDER]   (default out/bench; bakes stay there)
 set -eu
 cd "$(dirname "$0")/.."
 
-scripts/build.sh
-ctest --test-dir build -C bench -L bench --verbose -j 1 "$@"
+scripts/build.sh >/dev/null
+bin=build/bin
+folder=${1:-out/bench}
+mkdir -p "$folder"
+
+# scene LIGHTS SAMPLES DIRECTIONS: a jelly sphere under a ring of point lights.
+scene() {
+    awk -v lights="$1" -v samples="$2" -v directions="$3" 'BEGIN {
+        print "{\"meshes\": [{\"name\": \"ball\", \"shape\": {\"type\": \"sphere\", \"radius_m\": 0.5, \"subdivisions\": 5}}],"
+        print "\"cameras\": [{\"name\": \"front\", \"position_m\": [0.9, 0.7, 2.2], \"target_m\": [0, 0, 0], \"fov_y_degrees\": 36}],"
+        print "\"media\": [{\"name\": \"jelly\", \"sigma_s_per_m\": 3.6, \"sigma_a_per_m\": 0.4}],"
+        print "\"translucents\": [{\"name\": \"object\", \"mesh\": \"ball\", \"medium\": \"jelly\"}],"
+        printf "\"bake\": {\"directions\": %d, \"grid_resolution\": 128, \"samples\": %d, \"sh_order\": 5},\n", directions, samples
+        print "\"lights\": ["
+        for (i = 0; i < lights; i++)
+            printf "{\"name\": \"lamp %d\", \"type\": \"point\", \"position_m\": [%f, 1, %f], \"intensity_w_sr\": 2}%s\n", i,
+                2 * cos(6.2832 * i / lights), 2 * sin(6.2832 * i / lights), i + 1 < lights ? "," : ""
+        print "]}" }'
+}
+number() { # KEY FILE: the first number of that key
+    sed -n "s/.*\"$1\": *\([0-9.e+-]*\).*/\1/p" "$2" | head -n 1
+}
+seconds() { # REPORT STEP
+    tr -d '\n' <"$1" | sed "s/.*\"name\": \"$2\", *\"seconds\": \([0-9.e-]*\).*/\1/" | awk '{ printf "%.1f", $1 }'
+}
+frames() { # FOLDER OPTIONS...: median milliseconds of a frame and of its light pass
+    to=$1
+    shift
+    "$bin/airlight-play" "$to" --headless --quiet --size 192x192 --frames 7 --no-surface --no-background --no-lod \
+        --stats "$folder/stats.json" "$@"
+    number frame_ms_median "$folder/stats.json"
+}
+
+echo "## Sweep against memory"
+"$bin/airlight-bench-bake"
+
+echo "## Build time by step, 128^3 voxels, 50 000 samples, order 5 (seconds)"
+echo "| directions | optical depth | moment | divergence | sample | Gaussians | project | peak MiB |"
+echo "| --- | --- | --- | --- | --- | --- | --- | --- |"
+for directions in 32 128 512; do
+    scene 2 50000 $directions >"$folder/scene.json"
+    rm -rf "$folder/steps"
+    "$bin/airlight-bake" "$folder/scene.json" -o "$folder/steps" --quiet
+    report=$folder/steps/report.json
+    row="| $directions |"
+    for step in "optical depth" moment divergence sample gaussians project; do row="$row $(seconds "$report" "$step") |"; done
+    echo "$row $(($(number peak_memory_bytes "$report") / 1048576)) |"
+done
+
+echo "## Frames, 192x192 (median milliseconds)"
+for lights in 2 4 7 8; do
+    scene $lights 58000 32 >"$folder/scene.json"
+    "$bin/airlight-bake" "$folder/scene.json" -o "$folder/lights" --quiet
+    echo "| $lights lights, 58 000 samples, 25 coefficients | $(frames "$folder/lights") |"
+done
+for samples in 12500 25000 50000; do echo "| $samples samples | $(frames "$folder/lights" --samples $samples) |"; done
+
+echo "## Streaming, a million samples"
+scene 2 1000000 32 >"$folder/scene.json"
+"$bin/airlight-bake" "$folder/scene.json" -o "$folder/million" --quiet
+frames "$folder/million" --first-picture --frames 2 >/dev/null
+echo "| first picture | $(number first_picture_ms "$folder/stats.json") ms |"
+echo "| last sample | $(number last_sample_ms "$folder/stats.json") ms |"
