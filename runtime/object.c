@@ -6,6 +6,8 @@
 #include "matrix.h"
 #include "state.h"
 
+enum { FEWEST = 256 }; /* samples of an object, if it has so many */
+
 uint64_t al_object_coefficient_size(const al_translucent_info *info)
 {
     static const uint32_t size[] = {4, 2, 1};
@@ -172,9 +174,10 @@ static double pixels_per_metre(const al_draw *draw, const double middle[4], doub
     return 0.5 * draw->view->height * fabs(draw->view->projection[5]) / clip[3];
 }
 
-/* Level of detail by distance. Where the mean spacing of all samples, cbrt(volume / count), falls below a pixel,
- * only as many are drawn as keep it at one; an object of few pixels loses bands too: D pixels across show about
- * one band per 16. Returns the share of the samples. */
+/* Level of detail by distance. Where the mean spacing of all samples, cbrt(volume / count), falls below half a
+ * pixel, only as many are drawn as keep it there, but no fewer than FEWEST, for the light inside varies with the
+ * mean free path and not with pixels; an object of few pixels loses bands too: of D pixels
+ * across three and one more per 16. Returns the share of the samples. */
 static double detail(const al_draw *draw, const al_object *object, const double middle[4], uint32_t *order)
 {
     const al_translucent_info *info = &object->info;
@@ -186,9 +189,9 @@ static double detail(const al_draw *draw, const al_object *object, const double 
     radius = sqrt(radius);
     double scale = pixels_per_metre(draw, middle, radius);
     if (!isfinite(scale)) return 1;
-    double bands = 2 + floor(2 * radius * scale / 16);
+    double bands = 3 + floor(2 * radius * scale / 16);
     if (bands < *order) *order = (uint32_t)bands;
-    return fmin(1, fmax(info->volume_m3 * scale * scale * scale, 1) / info->sample_count);
+    return fmin(1, fmax(8 * info->volume_m3 * scale * scale * scale, FEWEST) / info->sample_count);
 }
 
 /* How many samples are drawn, how many bands, and how much wider the Gaussians of a prefix are: a share f of the
