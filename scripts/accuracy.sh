@@ -13,9 +13,9 @@ reference=${AIRLIGHT_SHARED:-../shared}/reference
 [ -f "$reference/object_sphere_single.exr" ] || { echo "SKIP: no reference pictures in $reference"; exit 0; }
 mkdir -p "$folder"
 
-# error PICTURE REFERENCE: relative RMSE in percent, noise taken out.
+# error PICTURE TRUTH: relative RMSE in percent, noise taken out; TRUTH.exr and TRUTH.error.exr.
 error() {
-    "$bin/airlight-compare" "$1" "$reference/$2.exr" --error "$reference/$2.error.exr" --json |
+    "$bin/airlight-compare" "$1" "$2.exr" --error "$2.error.exr" --json |
         sed -n 's/.*"relative_rmse_without_noise": *\([0-9.e-]*\).*/\1/p' | awk '{ printf "%.1f", 100 * $1 }'
 }
 
@@ -27,18 +27,41 @@ play() {
         --no-background --no-lod --out "$folder/$object-$name.exr" --out "$folder/$object-$name.png" "$@"
 }
 
-echo "| object | published, order 5 | published, order 8 | marched, order 5 | marched, order 8 | single over all orders |"
-echo "| --- | --- | --- | --- | --- | --- |"
-for object in sphere layers torus scan scan_smoke; do
-    "$bin/airlight-bake" "build/tests/scenes/object_$object.json" -o "$folder/$object" --quality final --quiet
-    row="| $object |"
+# row OBJECT TRUTH: bakes and compares all four settings.
+row() {
+    "$bin/airlight-bake" "build/tests/scenes/object_$1.json" -o "$folder/$1" --quality final --quiet
+    line="| $1 |"
     for leg in sh marched; do
         for order in 5 8; do
-            play "$object" "$leg-$order" --view-leg "$leg" --sh-order "$order"
-            row="$row $(error "$folder/$object-$leg-$order.exr" "object_${object}_single") % |"
+            play "$1" "$leg-$order" --view-leg "$leg" --sh-order "$order"
+            line="$line $(error "$folder/$1-$leg-$order.exr" "$2") % |"
         done
     done
+    "$bin/airlight-compare" "$folder/$1-marched-8.exr" "$2.exr" --diff "$folder/$1-difference.png" >/dev/null
+    echo "$line"
+}
+
+echo "| object | published, order 5 | published, order 8 | marched, order 5 | marched, order 8 |"
+echo "| --- | --- | --- | --- | --- |"
+for object in sphere layers torus scan scan_smoke; do row "$object" "$reference/object_${object}_single"; done
+for object in elephant_smoke bunny_cloud; do
+    [ -f "$folder/$object-truth.exr" ] ||
+        "$bin/airlight-reference" "build/tests/scenes/object_$object.json" --mode single-scatter --spp 128 --size 192x192 \
+            --quiet -o "$folder/$object-truth.exr"
+    row "$object" "$folder/$object-truth"
+done
+
+echo "| object | share of single scattering in all orders |"
+echo "| --- | --- |"
+for object in sphere layers torus scan scan_smoke; do
     share=$("$bin/airlight-compare" "$reference/object_${object}_single.exr" "$reference/object_${object}_all.exr" --json |
         sed -n 's/.*"mean_ratio": *\([0-9.e-]*\).*/\1/p')
-    echo "$row $share |"
+    echo "| $object | $share |"
+done
+
+echo "| samples drawn of the sphere's 50 000 | marched, order 8 |"
+echo "| --- | --- |"
+for samples in 500 2000 8000 20000 50000; do
+    play sphere "samples-$samples" --samples "$samples"
+    echo "| $samples | $(error "$folder/sphere-samples-$samples.exr" "$reference/object_sphere_single") % |"
 done
