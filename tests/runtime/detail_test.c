@@ -65,19 +65,19 @@ static double supersampled(al_runtime *runtime, float distance, const al_setting
     return sum;
 }
 
-/* Farther away fewer samples and bands are drawn; the picture's sum stays within 8 % of that of all of them (about
- * 600 of 8000 samples at last, 0.19 m apart in a mean free path of 0.5 m). */
+/* Farther away fewer samples and bands are drawn; the picture's sum stays within 10 % of that of all of them (about
+ * 300 of 8000 samples at last, 0.24 m apart in a mean free path of 0.5 m). */
 static void test_distance(al_runtime *runtime)
 {
     const al_settings chosen = {.pass = AL_PASS_TRANSLUCENT}, full = {.pass = AL_PASS_TRANSLUCENT, .detail_off = true};
     uint64_t fewest = SAMPLES;
-    for (float distance = 4; distance < 40; distance *= 1.5f) {
+    for (float distance = 4; distance < 46; distance *= 1.5f) {
         double sum = supersampled(runtime, distance, &chosen);
         CHECK(al_runtime_samples(runtime) <= fewest);
         fewest = al_runtime_samples(runtime);
         double wanted = supersampled(runtime, distance, &full);
         CHECK(al_runtime_samples(runtime) == SAMPLES);
-        CHECK_NEAR(sum / wanted, 1, 0.08);
+        CHECK_NEAR(sum / wanted, 1, 0.1);
     }
     CHECK(fewest < SAMPLES / 10);
 }
