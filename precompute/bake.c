@@ -48,7 +48,8 @@ static al_status read_devices(const char *text, bake *b, al_error *error)
         if (!*end) return AL_OK;
         at = end + 1;
     }
-    return al_fail(error, AL_USAGE, "--device takes numbers of --list-devices, such as 0 or 0,1, not '%s'", text);
+    return al_fail(error, AL_USAGE, "--device takes numbers of --list-devices, such as 0 or 0,1, not '%s'",
+                   text);
 }
 
 static al_status list_devices(al_error *error)
@@ -64,13 +65,15 @@ static al_status make_folder(const char *path, al_error *error)
 {
     char part[1024];
     struct stat facts;
-    if (snprintf(part, sizeof part, "%s", path) >= (int)sizeof part) return al_fail(error, AL_USAGE, "-o: the folder's name is too long");
+    if (snprintf(part, sizeof part, "%s", path) >= (int)sizeof part)
+        return al_fail(error, AL_USAGE, "-o: the folder's name is too long");
     for (char *at = part + 1;; at++) {
         char end = *at;
         if (end != '/' && end != 0) continue;
         *at = 0;
         if (mkdir(part, 0777) != 0 && !(errno == EEXIST && stat(part, &facts) == 0 && S_ISDIR(facts.st_mode)))
-            return al_fail(error, AL_IO, "%s: cannot create the folder: %s", part, errno == EEXIST ? "a file of that name is there" : strerror(errno));
+            return al_fail(error, AL_IO, "%s: cannot create the folder: %s", part,
+                           errno == EEXIST ? "a file of that name is there" : strerror(errno));
         if (end == 0) return AL_OK;
         *at = end;
     }
@@ -102,11 +105,13 @@ static bool asset_key(const char *path, al_kind kind, uint64_t *key)
 static al_status open_device(bake *b, unsigned slot, al_device **device, al_error *error)
 {
     if (!b->devices[slot]) {
-        al_status status = al_device_open(b->device_numbers[slot], (unsigned)b->arguments->threads, b->arguments->folder,
-                                          b->program->verbose, &b->devices[slot], error);
+        al_status status =
+            al_device_open(b->device_numbers[slot], (unsigned)b->arguments->threads, b->arguments->folder,
+                           b->program->verbose, &b->devices[slot], error);
         if (status != AL_OK) return status;
         if (slot == 0) b->report.device = b->devices[0]->name;
-        if (b->program->verbose) al_program_say(b->program, "device %u: %s", b->device_numbers[slot], b->devices[slot]->name);
+        if (b->program->verbose)
+            al_program_say(b->program, "device %u: %s", b->device_numbers[slot], b->devices[slot]->name);
     }
     *device = b->devices[slot];
     return AL_OK;
@@ -115,7 +120,9 @@ static al_status open_device(bake *b, unsigned slot, al_device **device, al_erro
 /* Objects go to the devices in turn. */
 static al_status bake_objects(bake *b, al_error *error)
 {
-    al_bake_options options = {.program = b->program, .folder = b->arguments->folder, .threads = (unsigned)b->arguments->threads,
+    al_bake_options options = {.program = b->program,
+                               .folder = b->arguments->folder,
+                               .threads = (unsigned)b->arguments->threads,
                                .memory_limit = (size_t)(b->arguments->memory_limit_mib * 1048576)};
     for (uint32_t i = 0; i < b->import->scene.translucent_count; i++) {
         al_translucent_object *object = &b->import->scene.translucents[i];
@@ -130,7 +137,8 @@ static al_status bake_objects(bake *b, al_error *error)
             continue;
         }
         status = open_device(b, i % b->device_count, &device, error);
-        if (status == AL_OK) status = al_bake_object(b->import, i, key, device, &options, &b->report.objects[i], error);
+        if (status == AL_OK)
+            status = al_bake_object(b->import, i, key, device, &options, &b->report.objects[i], error);
         if (status != AL_OK) return status;
         al_program_say(b->program, "wrote %s", path);
     }
@@ -141,7 +149,8 @@ static al_status bake_objects(bake *b, al_error *error)
 static uint64_t scene_key(const al_import *import)
 {
     uint64_t key = XXH64(AIRLIGHT_VERSION, sizeof AIRLIGHT_VERSION, 0);
-    for (uint32_t i = 0; i < import->input_count; i++) key = XXH64(&import->inputs[i].xxh64, sizeof(uint64_t), key);
+    for (uint32_t i = 0; i < import->input_count; i++)
+        key = XXH64(&import->inputs[i].xxh64, sizeof(uint64_t), key);
     return key;
 }
 
@@ -157,7 +166,8 @@ static al_status write_scene(bake *b, al_error *error)
     }
     snprintf(provenance, sizeof provenance, "{\"key\":\"%016llx\"}", (unsigned long long)key);
     al_status status = al_scene_write(path, &b->import->scene, provenance, &bytes, error);
-    b->report.steps.steps[b->report.steps.count++] = (al_step){"scene", al_program_seconds() - started, bytes, b->import->scene.instance_count};
+    b->report.steps.steps[b->report.steps.count++] =
+        (al_step){"scene", al_program_seconds() - started, bytes, b->import->scene.instance_count};
     return status;
 }
 
@@ -172,12 +182,22 @@ static al_status name_assets(bake *b, al_error *error)
     return AL_OK;
 }
 
+/* What is wrong with an object is wrong in its scene: puts that file in front. */
+static al_status in_scene(const char *scene, al_status status, al_error *error)
+{
+    char message[AL_ERROR_SIZE];
+    if (status != AL_BAD_INPUT) return status;
+    snprintf(message, sizeof message, "%s", error->message);
+    return al_fail(error, status, "%s: %s", scene, message);
+}
+
 static al_status bake_scene(bake *b, const char *scene, al_quality quality, al_error *error)
 {
     double started = al_program_seconds();
     al_status status = al_import_scene(scene, quality, &b->import, error);
     if (status != AL_OK) return status;
-    b->report.steps.steps[b->report.steps.count++] = (al_step){"import", al_program_seconds() - started, 0, b->import->input_count};
+    b->report.steps.steps[b->report.steps.count++] =
+        (al_step){"import", al_program_seconds() - started, 0, b->import->input_count};
     al_plan_make(b->import, &b->plan);
     if (b->arguments->plan) {
         char *text = al_plan_json(&b->plan);
@@ -192,7 +212,7 @@ static al_status bake_scene(bake *b, const char *scene, al_quality quality, al_e
     if (!b->report.objects) return al_fail(error, AL_IO, "out of memory");
     status = make_folder(b->arguments->folder, error);
     if (status == AL_OK) status = name_assets(b, error);
-    if (status == AL_OK) status = bake_objects(b, error);
+    if (status == AL_OK) status = in_scene(scene, bake_objects(b, error), error);
     if (status == AL_OK) status = write_scene(b, error);
     if (status == AL_OK) status = al_report_write(b->arguments->folder, &b->report, error);
     return status;
@@ -202,18 +222,26 @@ int main(int argc, char **argv)
 {
     arguments a = {.quality = "medium", .devices = "0", .memory_limit_mib = 512};
     const al_option options[] = {
-        {"-o", "DIR", AL_OPTION_STRING, &a.folder, "folder of the baked assets; created when it is missing", 0, 0},
+        {"-o", "DIR", AL_OPTION_STRING, &a.folder, "folder of the baked assets; created when it is missing",
+         0, 0},
         {"--plan", NULL, AL_OPTION_FLAG, &a.plan, "only say what would be done and why (JSON)", 0, 0},
-        {"--quality", "Q", AL_OPTION_STRING, &a.quality, "preview, medium or final: settings the scene leaves open (medium)", 0, 0},
+        {"--quality", "Q", AL_OPTION_STRING, &a.quality,
+         "preview, medium or final: settings the scene leaves open (medium)", 0, 0},
         {"--list-devices", NULL, AL_OPTION_FLAG, &a.list_devices, "list the OpenCL devices and end", 0, 0},
-        {"--device", "N[,N]", AL_OPTION_STRING, &a.devices, "OpenCL devices by number; objects go to them in turn (0)", 0, 0},
+        {"--device", "N[,N]", AL_OPTION_STRING, &a.devices,
+         "OpenCL devices by number; objects go to them in turn (0)", 0, 0},
         {"--threads", "N", AL_OPTION_INT, &a.threads, "CPU threads (one per core)", 1, 256},
-        {"--memory-limit", "MIB", AL_OPTION_REAL, &a.memory_limit_mib, "memory for swept fields on the device (512)", 16, 1 << 20},
+        {"--memory-limit", "MIB", AL_OPTION_REAL, &a.memory_limit_mib,
+         "memory for swept fields on the device (512)", 16, 1 << 20},
     };
-    al_program program = {.name = "airlight-bake", .usage = "SCENE.json -o DIR [options]",
-                          .summary = "Imports a scene and bakes every asset it needs into DIR, with DIR/report.json. What is up to\n"
-                                     "date is not baked again. Ctrl-C stops cleanly; the same command goes on from there.",
-                          .options = options, .option_count = sizeof options / sizeof *options};
+    al_program program = {
+        .name = "airlight-bake",
+        .usage = "SCENE.json -o DIR [options]",
+        .summary =
+            "Imports a scene and bakes every asset it needs into DIR, with DIR/report.json. What is up to\n"
+            "date is not baked again. Ctrl-C stops cleanly; the same command goes on from there.",
+        .options = options,
+        .option_count = sizeof options / sizeof *options};
     const char *scene = NULL;
     size_t count;
     int code = al_program_parse(&program, argc, argv, &scene, 0, 1, &count);
@@ -224,9 +252,12 @@ int main(int argc, char **argv)
     bake b = {.program = &program, .arguments = &a};
     al_status status;
     al_program_catch_signals();
-    if (a.list_devices) status = list_devices(&error);
-    else if (!scene) status = al_fail(&error, AL_USAGE, "a scene file is missing; usage: airlight-bake SCENE.json -o DIR");
-    else if (!a.folder && !a.plan) status = al_fail(&error, AL_USAGE, "-o DIR is missing: the folder to bake into");
+    if (a.list_devices)
+        status = list_devices(&error);
+    else if (!scene)
+        status = al_fail(&error, AL_USAGE, "a scene file is missing; usage: airlight-bake SCENE.json -o DIR");
+    else if (!a.folder && !a.plan)
+        status = al_fail(&error, AL_USAGE, "-o DIR is missing: the folder to bake into");
     else {
         status = read_quality(a.quality, &quality, &error);
         if (status == AL_OK) status = read_devices(a.devices, &b, &error);

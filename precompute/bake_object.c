@@ -46,19 +46,33 @@ typedef struct work {
 
 void al_bake_object_file(const al_translucent_object *object, char *name, size_t size)
 {
-    char safe[128];
+    char safe[120];
     size_t n = 0;
-    for (const char *c = object->name; *c && n + 1 < sizeof safe; c++) safe[n++] = *c == '/' || *c == '\\' ? '_' : *c;
+    bool changed = false;
+    const char *c = object->name;
+    for (; *c && n + 1 < sizeof safe; c++) {
+        safe[n] = *c == '/' || *c == '\\' ? '_' : *c;
+        changed = changed || safe[n++] != *c;
+    }
+    if (*c)
+        while (n && (*c & 0xC0) == 0x80) c--, n--; /* UTF-8 is cut between characters */
+    changed = changed || *c;
     safe[n] = 0;
-    snprintf(name, size, "%s.translucent.air", safe);
+    if (changed)
+        snprintf(name, size, "%s-%016llx.translucent.air", safe,
+                 (unsigned long long)XXH64(object->name, strlen(object->name), 0));
+    else
+        snprintf(name, size, "%s.translucent.air", safe);
 }
 
 static void add_step(work *w, const char *name, double seconds, uint64_t bytes, uint64_t items)
 {
-    if (w->steps->count < AL_STEP_LIMIT) w->steps->steps[w->steps->count++] = (al_step){name, seconds, bytes, items};
+    if (w->steps->count < AL_STEP_LIMIT)
+        w->steps->steps[w->steps->count++] = (al_step){name, seconds, bytes, items};
 }
 
-static al_status load_surfaces(const al_import *import, uint32_t index, al_triangles *boundary, al_triangles *blockers, al_error *error)
+static al_status load_surfaces(const al_import *import, uint32_t index, al_triangles *boundary,
+                               al_triangles *blockers, al_error *error)
 {
     al_status status = al_import_boundary(import, index, boundary, error);
     return status == AL_OK ? al_import_blockers(import, index, blockers, error) : status;
@@ -66,14 +80,16 @@ static al_status load_surfaces(const al_import *import, uint32_t index, al_trian
 
 static void hash_triangles(XXH64_state_t *state, const al_triangles *triangles)
 {
-    XXH64_update(state, triangles->positions, 3 * (size_t)triangles->vertex_count * sizeof *triangles->positions);
-    XXH64_update(state, triangles->indices, 3 * (size_t)triangles->triangle_count * sizeof *triangles->indices);
+    XXH64_update(state, triangles->positions,
+                 3 * (size_t)triangles->vertex_count * sizeof *triangles->positions);
+    XXH64_update(state, triangles->indices,
+                 3 * (size_t)triangles->triangle_count * sizeof *triangles->indices);
 }
 
 static void hash_density(XXH64_state_t *state, const al_import *import, const al_density_description *density)
 {
-    double numbers[] = {density->type, density->scale, density->has_bounds, density->period_m, density->thickness_m, density->offset_m,
-                        density->low, density->high};
+    double numbers[] = {density->type,        density->scale,    density->has_bounds, density->period_m,
+                        density->thickness_m, density->offset_m, density->low,        density->high};
     XXH64_update(state, numbers, sizeof numbers);
     XXH64_update(state, density->grid_to_world, sizeof density->grid_to_world);
     XXH64_update(state, density->bounds_min_m, sizeof density->bounds_min_m);
@@ -81,7 +97,8 @@ static void hash_density(XXH64_state_t *state, const al_import *import, const al
     XXH64_update(state, density->axis, sizeof density->axis);
     XXH64_update(state, density->grid, strlen(density->grid));
     for (uint32_t i = 0; i < import->input_count; i++)
-        if (!strcmp(import->inputs[i].path, density->file)) XXH64_update(state, &import->inputs[i].xxh64, sizeof(uint64_t));
+        if (!strcmp(import->inputs[i].path, density->file))
+            XXH64_update(state, &import->inputs[i].xxh64, sizeof(uint64_t));
 }
 
 al_status al_bake_object_key(const al_import *import, uint32_t index, uint64_t *key, al_error *error)
@@ -91,9 +108,12 @@ al_status al_bake_object_key(const al_import *import, uint32_t index, uint64_t *
     const al_bake_settings *s = &import->description->bake;
     al_triangles boundary = {0}, blockers = {0};
     XXH64_state_t *state = XXH64_createState();
-    al_status status = state ? load_surfaces(import, index, &boundary, &blockers, error) : al_fail(error, AL_IO, "out of memory");
+    al_status status = state ? load_surfaces(import, index, &boundary, &blockers, error)
+                             : al_fail(error, AL_IO, "out of memory");
     if (status == AL_OK) {
-        uint32_t settings[] = {bake_version, s->directions, s->grid_resolution, s->samples, s->sh_order, s->coefficient_format, s->seed};
+        uint32_t settings[] = {bake_version, s->directions, s->grid_resolution,
+                               s->samples,   s->sh_order,   s->coefficient_format,
+                               s->seed};
         XXH64_reset(state, 0);
         XXH64_update(state, settings, sizeof settings);
         XXH64_update(state, &s->radius_m, sizeof s->radius_m);
@@ -117,7 +137,8 @@ al_status al_bake_object_key(const al_import *import, uint32_t index, uint64_t *
 /* One set of coefficients for media that are grey in extinction, else one per channel. */
 static void choose_channels(work *w)
 {
-    for (int c = 0; c < 3; c++) w->sigma_t[c] = (double)w->medium->sigma_s_per_m[c] + w->medium->sigma_a_per_m[c];
+    for (int c = 0; c < 3; c++)
+        w->sigma_t[c] = (double)w->medium->sigma_s_per_m[c] + w->medium->sigma_a_per_m[c];
     w->channel_count = w->sigma_t[0] == w->sigma_t[1] && w->sigma_t[1] == w->sigma_t[2] ? 1 : 3;
     w->sigma_mean = (w->sigma_t[0] + w->sigma_t[1] + w->sigma_t[2]) / 3;
 }
@@ -138,10 +159,11 @@ static al_status voxelise(work *w, al_error *error)
     const float *world = w->import->scene.instances[w->object->instance].world;
     w->field.density = w->import->densities[w->object->medium];
     for (int i = 0; i < 16; i++) w->field.to_world[i] = world[i];
-    al_status status = al_grid_voxelise(w->object->name, &w->boundary, &w->blockers, &w->field, w->settings->grid_resolution,
-                                        w->options->threads, &w->grid, error);
+    al_status status = al_grid_voxelise(w->object->name, &w->boundary, &w->blockers, &w->field,
+                                        w->settings->grid_resolution, w->options->threads, &w->grid, error);
     if (status == AL_OK)
-        status = al_sweep_create(w->device, &w->grid, w->settings->directions, smallest_sigma(w), w->options->memory_limit, &w->sweep, error);
+        status = al_sweep_create(w->device, &w->grid, w->settings->directions, smallest_sigma(w),
+                                 w->options->memory_limit, &w->sweep, error);
     add_step(w, "voxelise", al_program_seconds() - started, 0, al_grid_count(&w->grid));
     return status;
 }
@@ -153,8 +175,10 @@ static al_status compute_moment(work *w, al_checkpoint *checkpoint, al_error *er
     al_status status = al_moment_begin(&w->sweep, &w->moment, error);
     if (status != AL_OK) return status;
     if (checkpoint->stage == STAGE_MOMENT) {
-        uint64_t total_size = 3 * al_grid_count(&w->grid) * sizeof(float), plane_size = 3 * w->moment.plane_size * sizeof(float);
-        float *total = al_checkpoint_take(checkpoint, 0, total_size), *planes = al_checkpoint_take(checkpoint, 1, plane_size);
+        uint64_t total_size = 3 * al_grid_count(&w->grid) * sizeof(float),
+                 plane_size = 3 * w->moment.plane_size * sizeof(float);
+        float *total = al_checkpoint_take(checkpoint, 0, total_size),
+              *planes = al_checkpoint_take(checkpoint, 1, plane_size);
         if (total && planes) {
             memcpy(w->moment.total, total, total_size);
             memcpy(w->moment.planes, planes, plane_size);
@@ -196,8 +220,10 @@ static al_status compute_rho(work *w, al_checkpoint *checkpoint, al_error *error
 static al_status place_samples(work *w, al_error *error)
 {
     al_progress progress;
-    al_sample_options options = {.count = w->settings->radius_m > 0 ? 0 : w->settings->samples, .radius_m = w->settings->radius_m,
-                                 .seed = w->settings->seed, .threads = w->options->threads};
+    al_sample_options options = {.count = w->settings->radius_m > 0 ? 0 : w->settings->samples,
+                                 .radius_m = w->settings->radius_m,
+                                 .seed = w->settings->seed,
+                                 .threads = w->options->threads};
     double started = al_program_seconds();
     al_status status = al_tetrahedralise(w->object->name, &w->boundary, &w->tetrahedra, error);
     if (status != AL_OK) return status;
@@ -207,14 +233,16 @@ static al_status place_samples(work *w, al_error *error)
     started = al_program_seconds();
     w->stage = STAGE_SAMPLE;
     al_progress_begin(&progress, w->options->program, "sample");
-    status = al_sample_interior(w->object->name, &w->grid, w->rho, &interior, &options, &progress, &w->samples, error);
+    status = al_sample_interior(w->object->name, &w->grid, w->rho, &interior, &options, &progress,
+                                &w->samples, error);
     if (status != AL_OK) return status;
     al_progress_end(&progress);
     add_step(w, "sample", al_program_seconds() - started, 0, w->samples.count);
 
     started = al_program_seconds();
     al_progress_begin(&progress, w->options->program, "gaussians");
-    status = al_sample_gaussians(w->object->name, &w->grid, &interior, &w->field, &options, &progress, &w->samples, error);
+    status = al_sample_gaussians(w->object->name, &w->grid, &interior, &w->field, &options, &progress,
+                                 &w->samples, error);
     if (status != AL_OK) return status;
     al_progress_end(&progress);
     add_step(w, "gaussians", al_program_seconds() - started, 0, w->samples.count);
@@ -223,7 +251,8 @@ static al_status place_samples(work *w, al_error *error)
 
 static uint64_t coefficient_bytes(const work *w)
 {
-    return (uint64_t)w->samples.count * w->channel_count * w->settings->sh_order * w->settings->sh_order * sizeof(float);
+    return (uint64_t)w->samples.count * w->channel_count * w->settings->sh_order * w->settings->sh_order *
+           sizeof(float);
 }
 
 /* Puts back the samples and sums of a bake that was cancelled while projecting. */
@@ -231,9 +260,13 @@ static bool resume_projection(work *w, al_checkpoint *checkpoint, al_error *erro
 {
     if (checkpoint->stage != STAGE_PROJECT) return false;
     uint32_t count = (uint32_t)checkpoint->numbers[0];
-    w->samples = (al_samples){.count = count, .radius_m = checkpoint->numbers[1], .volume_m3 = checkpoint->numbers[2],
-                              .rho_quantile = (float)checkpoint->numbers[3], .unity_mean = (float)checkpoint->numbers[4],
-                              .unity_deviation = (float)checkpoint->numbers[5], .unity_worst = (float)checkpoint->numbers[6]};
+    w->samples = (al_samples){.count = count,
+                              .radius_m = checkpoint->numbers[1],
+                              .volume_m3 = checkpoint->numbers[2],
+                              .rho_quantile = (float)checkpoint->numbers[3],
+                              .unity_mean = (float)checkpoint->numbers[4],
+                              .unity_deviation = (float)checkpoint->numbers[5],
+                              .unity_worst = (float)checkpoint->numbers[6]};
     w->samples.positions = al_checkpoint_take(checkpoint, 0, 3 * (uint64_t)count * sizeof(float));
     w->samples.gaussians = al_checkpoint_take(checkpoint, 1, 4 * (uint64_t)count * sizeof(float));
     w->coefficients = al_checkpoint_take(checkpoint, 3, coefficient_bytes(w));
@@ -265,22 +298,26 @@ static al_status project(work *w, al_error *error)
     w->stage = STAGE_PROJECT;
     if (!w->coefficients) {
         w->coefficients = calloc(1, coefficient_bytes(w) + 1);
-        if (!w->coefficients) return al_fail(error, AL_IO, "%s: out of memory for coefficients", w->object->name);
+        if (!w->coefficients)
+            return al_fail(error, AL_IO, "%s: out of memory for coefficients", w->object->name);
         status = al_project_begin(count, order, &w->project, error);
     }
     al_progress_begin(&progress, w->options->program, "project");
     while (status == AL_OK && w->channel < w->channel_count) {
         double sigma = w->channel_count == 1 ? w->sigma_mean : w->sigma_t[w->channel];
-        status = al_project_run(&w->sweep, sigma, order, w->samples.positions, count, &w->project, &progress, error);
+        status = al_project_run(&w->sweep, sigma, order, w->samples.positions, count, &w->project, &progress,
+                                error);
         if (status != AL_OK) break;
-        al_project_finish(&w->project, w->settings->directions, order, count, w->coefficients + (size_t)w->channel * order * order, stride);
+        al_project_finish(&w->project, w->settings->directions, order, count,
+                          w->coefficients + (size_t)w->channel * order * order, stride);
         al_project_free(&w->project);
         w->channel++;
         if (w->channel < w->channel_count) status = al_project_begin(count, order, &w->project, error);
     }
     if (status != AL_OK) return status;
     al_progress_end(&progress);
-    add_step(w, "project", al_program_seconds() - started, 0, (uint64_t)count * w->settings->directions * w->channel_count);
+    add_step(w, "project", al_program_seconds() - started, 0,
+             (uint64_t)count * w->settings->directions * w->channel_count);
     return AL_OK;
 }
 
@@ -298,8 +335,9 @@ static void keep_partial(const work *w)
         c.arrays[0].data = w->rho;
         c.arrays[0].size = al_grid_count(&w->grid) * sizeof(float);
     } else if (w->stage == STAGE_PROJECT && w->project.sums) {
-        double numbers[] = {w->samples.count, w->samples.radius_m, w->samples.volume_m3, w->samples.rho_quantile, w->samples.unity_mean,
-                            w->samples.unity_deviation, w->samples.unity_worst};
+        double numbers[] = {w->samples.count,        w->samples.radius_m,   w->samples.volume_m3,
+                            w->samples.rho_quantile, w->samples.unity_mean, w->samples.unity_deviation,
+                            w->samples.unity_worst};
         memcpy(c.numbers, numbers, sizeof numbers);
         c.axis = w->project.axis;
         c.next = w->project.next;
@@ -321,12 +359,21 @@ static void keep_partial(const work *w)
 static void describe(const work *w, al_translucent_info *info)
 {
     const al_medium *m = w->medium;
-    *info = (al_translucent_info){.sample_count = w->samples.count, .order = w->settings->sh_order, .channel_count = w->channel_count,
-                                  .format = w->settings->coefficient_format, .direction_count = w->settings->directions,
-                                  .voxel_m = (float)w->grid.voxel_m, .density_max = w->grid.density_max, .g = m->g, .ior = 1,
-                                  .volume_m3 = w->samples.volume_m3, .radius_m = w->samples.radius_m,
-                                  .rho_quantile = w->samples.rho_quantile, .unity_mean = w->samples.unity_mean,
-                                  .unity_deviation = w->samples.unity_deviation, .unity_worst = w->samples.unity_worst,
+    *info = (al_translucent_info){.sample_count = w->samples.count,
+                                  .order = w->settings->sh_order,
+                                  .channel_count = w->channel_count,
+                                  .format = w->settings->coefficient_format,
+                                  .direction_count = w->settings->directions,
+                                  .voxel_m = (float)w->grid.voxel_m,
+                                  .density_max = w->grid.density_max,
+                                  .g = m->g,
+                                  .ior = 1,
+                                  .volume_m3 = w->samples.volume_m3,
+                                  .radius_m = w->samples.radius_m,
+                                  .rho_quantile = w->samples.rho_quantile,
+                                  .unity_mean = w->samples.unity_mean,
+                                  .unity_deviation = w->samples.unity_deviation,
+                                  .unity_worst = w->samples.unity_worst,
                                   .has_blockers = w->grid.blockers != NULL};
     for (int i = 0; i < 3; i++) {
         info->grid_size[i] = w->grid.size[i];
@@ -349,15 +396,18 @@ static al_status write_asset(work *w, al_error *error)
     uint64_t bytes = 0;
     char provenance[512];
     al_status status;
-    al_translucent_data data = {.positions = w->samples.positions, .gaussians = w->samples.gaussians, .coefficients = w->coefficients,
+    al_translucent_data data = {.positions = w->samples.positions,
+                                .gaussians = w->samples.gaussians,
+                                .coefficients = w->coefficients,
                                 .provenance_json = provenance};
     uint16_t *density = malloc(count * sizeof *density);
     uint8_t *blockers = w->grid.blockers ? malloc(count) : NULL;
     describe(w, &data.info);
     snprintf(provenance, sizeof provenance,
-             "{\"key\":\"%016llx\",\"directions\":%u,\"grid_resolution\":%u,\"samples\":%u,\"radius_m\":%.9g,\"sh_order\":%u,\"seed\":%u}",
-             (unsigned long long)w->key, w->settings->directions, w->settings->grid_resolution, w->settings->samples,
-             w->settings->radius_m, w->settings->sh_order, w->settings->seed);
+             "{\"key\":\"%016llx\",\"directions\":%u,\"grid_resolution\":%u,\"samples\":%u,\"radius_m\":%.9g,"
+             "\"sh_order\":%u,\"seed\":%u}",
+             (unsigned long long)w->key, w->settings->directions, w->settings->grid_resolution,
+             w->settings->samples, w->settings->radius_m, w->settings->sh_order, w->settings->seed);
     if (!density || (w->grid.blockers && !blockers)) {
         status = al_fail(error, AL_IO, "%s: out of memory", w->path);
         goto cleanup;

@@ -26,7 +26,9 @@ typedef struct al_bake_options {
     size_t memory_limit; /* bytes for the sweep's fields */
 } al_bake_options;
 
-/* Name of the asset's file in the folder, at most `size` bytes with its terminator. */
+/* Name of the asset's file in the folder, at most `size` (160 are enough) bytes with its terminator. Names
+ * that differ give files that differ: where the object's own cannot stand in a file name, its hash is added.
+ */
 void al_bake_object_file(const al_translucent_object *object, char *name, size_t size);
 
 /* Content hash of everything the asset depends on. */

@@ -21,19 +21,22 @@ static double tetrahedron_volume(const al_interior *interior, uint32_t t)
     for (int i = 0; i < 4; i++) p[i] = interior->points + 3 * (size_t)interior->corners[4 * (size_t)t + i];
     for (int n = 0; n < 3; n++)
         for (int i = 0; i < 3; i++) e[n][i] = p[n + 1][i] - p[0][i];
-    double determinant = e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) - e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
+    double determinant = e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -
+                         e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
                          e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
     return fabs(determinant) / 6;
 }
 
-al_status al_candidates_create(const al_grid *grid, const al_interior *interior, uint32_t seed, al_candidates *candidates,
-                               al_error *error)
+al_status al_candidates_create(const al_grid *grid, const al_interior *interior, uint32_t seed,
+                               al_candidates *candidates, al_error *error)
 {
     double volume = 0;
     *candidates = (al_candidates){.grid = grid, .interior = interior, .seed = seed};
     candidates->running_volume = malloc((interior->count + 1) * sizeof(double));
-    if (!candidates->running_volume) return al_fail(error, AL_IO, "out of memory for %u tetrahedra", interior->count);
-    for (uint32_t t = 0; t < interior->count; t++) candidates->running_volume[t] = volume += tetrahedron_volume(interior, t);
+    if (!candidates->running_volume)
+        return al_fail(error, AL_IO, "out of memory for %u tetrahedra", interior->count);
+    for (uint32_t t = 0; t < interior->count; t++)
+        candidates->running_volume[t] = volume += tetrahedron_volume(interior, t);
     return AL_OK;
 }
 
@@ -63,8 +66,10 @@ bool al_candidate(const al_candidates *candidates, uint64_t index, double point[
     uint32_t low = 0, high = interior->count - 1;
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
-        if (candidates->running_volume[middle] > target) high = middle;
-        else low = middle + 1;
+        if (candidates->running_volume[middle] > target)
+            high = middle;
+        else
+            low = middle + 1;
     }
     /* The gaps between three sorted uniform numbers are uniform barycentric coordinates. */
     double a = fmin(u[0], u[1]), b = fmax(u[0], u[1]);
@@ -72,7 +77,8 @@ bool al_candidate(const al_candidates *candidates, uint64_t index, double point[
     double weight[4] = {first, middle - first, last - middle, 1 - last};
     for (int i = 0; i < 3; i++) {
         point[i] = 0;
-        for (int n = 0; n < 4; n++) point[i] += weight[n] * interior->points[3 * (size_t)interior->corners[4 * (size_t)low + n] + i];
+        for (int n = 0; n < 4; n++)
+            point[i] += weight[n] * interior->points[3 * (size_t)interior->corners[4 * (size_t)low + n] + i];
     }
     return !in_blocker(candidates->grid, point);
 }

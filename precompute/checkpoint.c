@@ -27,7 +27,10 @@ al_status al_checkpoint_write(const char *path, const al_checkpoint *checkpoint,
     for (int i = 0; i < AL_CHECKPOINT_ARRAYS; i++) size += checkpoint->arrays[i].size;
     unsigned char *bytes = calloc(size, 1);
     if (!bytes) return al_fail(error, AL_IO, "%s: out of memory", path);
-    head h = {.key = checkpoint->key, .stage = checkpoint->stage, .channel = checkpoint->channel, .axis = checkpoint->axis,
+    head h = {.key = checkpoint->key,
+              .stage = checkpoint->stage,
+              .channel = checkpoint->channel,
+              .axis = checkpoint->axis,
               .next = checkpoint->next};
     memcpy(h.magic, magic, sizeof magic);
     memcpy(h.numbers, checkpoint->numbers, sizeof h.numbers);

@@ -10,13 +10,16 @@
 
 static al_status fail_cl(al_error *error, const char *call, cl_int code)
 {
-    al_status status = code == CL_OUT_OF_HOST_MEMORY || code == CL_MEM_OBJECT_ALLOCATION_FAILURE ? AL_IO : AL_NO_DEVICE;
-    return al_fail(error, status, "OpenCL: %s answered error %d; choose another device with --device (see --list-devices)%s",
+    al_status status =
+        code == CL_OUT_OF_HOST_MEMORY || code == CL_MEM_OBJECT_ALLOCATION_FAILURE ? AL_IO : AL_NO_DEVICE;
+    return al_fail(error, status,
+                   "OpenCL: %s answered error %d; choose another device with --device (see --list-devices)%s",
                    call, (int)code, status == AL_IO ? " or a lower --memory-limit" : "");
 }
 
 /* Calls `visit` for every device; stops when it answers true. */
-static al_status visit_devices(bool (*visit)(cl_platform_id, cl_device_id, unsigned, void *), void *user, al_error *error)
+static al_status visit_devices(bool (*visit)(cl_platform_id, cl_device_id, unsigned, void *), void *user,
+                               al_error *error)
 {
     cl_platform_id platforms[16];
     cl_uint platform_count = 0;
@@ -26,13 +29,15 @@ static al_status visit_devices(bool (*visit)(cl_platform_id, cl_device_id, unsig
     for (cl_uint p = 0; p < platform_count; p++) {
         cl_device_id devices[AL_DEVICE_LIMIT];
         cl_uint count = 0;
-        if (clGetDeviceIDs(platforms[p], CL_DEVICE_TYPE_ALL, AL_DEVICE_LIMIT, devices, &count) != CL_SUCCESS) continue;
+        if (clGetDeviceIDs(platforms[p], CL_DEVICE_TYPE_ALL, AL_DEVICE_LIMIT, devices, &count) != CL_SUCCESS)
+            continue;
         for (cl_uint d = 0; d < count && d < AL_DEVICE_LIMIT; d++)
             if (visit(platforms[p], devices[d], number++, user)) return AL_OK;
     }
     if (number == 0)
-        return al_fail(error, AL_NO_DEVICE,
-                       "OpenCL: no device found; install a driver, such as Debian's pocl-opencl-icd for the CPU");
+        return al_fail(
+            error, AL_NO_DEVICE,
+            "OpenCL: no device found; install a driver, such as Debian's pocl-opencl-icd for the CPU");
     return AL_OK;
 }
 
@@ -88,7 +93,8 @@ al_status al_device_open(unsigned number, unsigned threads, const char *log_fold
     al_status status = visit_devices(choose, &wanted, error);
     if (status != AL_OK) return status;
     if (!wanted.found)
-        return al_fail(error, AL_NO_DEVICE, "OpenCL: there is no device %u; --list-devices names what there is", number);
+        return al_fail(error, AL_NO_DEVICE,
+                       "OpenCL: there is no device %u; --list-devices names what there is", number);
 
     al_device *opened = calloc(1, sizeof *opened);
     if (!opened) return al_fail(error, AL_IO, "out of memory");
@@ -139,8 +145,9 @@ static char *expand(const char *name)
             const char *start = text + sizeof include - 1;
             size_t name_length = strcspn(start, "\"");
             const char *included = find_text(start, name_length);
-            used += (size_t)snprintf(out + used, capacity - used, "#line 1 \"%.*s\"\n%s\n#line %d \"%s\"\n", (int)name_length,
-                                     start, included ? included : "#error missing", line + 1, name);
+            used += (size_t)snprintf(out + used, capacity - used, "#line 1 \"%.*s\"\n%s\n#line %d \"%s\"\n",
+                                     (int)name_length, start, included ? included : "#error missing",
+                                     line + 1, name);
         } else {
             used += (size_t)snprintf(out + used, capacity - used, "%.*s\n", (int)length, text);
         }
@@ -160,8 +167,8 @@ static al_status fail_build(al_device *device, cl_program program, const char *f
     al_write_file(path, log ? log : "", log ? strlen(log) : 0, NULL);
     if (device->verbose && log) fprintf(stderr, "%s\n", log);
     free(log);
-    return al_fail(error, AL_NO_DEVICE, "opencl/%s: does not build on %s; the compiler's words are in %s", file,
-                   device->name, path);
+    return al_fail(error, AL_NO_DEVICE, "opencl/%s: does not build on %s; the compiler's words are in %s",
+                   file, device->name, path);
 }
 
 al_status al_device_kernel(al_device *device, const char *step, cl_kernel *kernel, al_error *error)
@@ -193,7 +200,8 @@ al_status al_device_buffer(al_device *device, size_t size, const void *data, cl_
     if (code != CL_SUCCESS) return fail_cl(error, "clCreateBuffer", code);
     cl_uint zero = 0;
     code = data ? clEnqueueWriteBuffer(device->queue, *buffer, CL_TRUE, 0, size, data, 0, NULL, NULL)
-                : clEnqueueFillBuffer(device->queue, *buffer, &zero, sizeof zero, 0, size ? size : 4, 0, NULL, NULL);
+                : clEnqueueFillBuffer(device->queue, *buffer, &zero, sizeof zero, 0, size ? size : 4, 0, NULL,
+                                      NULL);
     if (code == CL_SUCCESS) return AL_OK;
     al_device_release(buffer);
     return fail_cl(error, "filling a buffer", code);
@@ -201,13 +209,15 @@ al_status al_device_buffer(al_device *device, size_t size, const void *data, cl_
 
 al_status al_device_write(al_device *device, cl_mem buffer, const void *data, size_t size, al_error *error)
 {
-    cl_int code = size ? clEnqueueWriteBuffer(device->queue, buffer, CL_TRUE, 0, size, data, 0, NULL, NULL) : CL_SUCCESS;
+    cl_int code = size ? clEnqueueWriteBuffer(device->queue, buffer, CL_TRUE, 0, size, data, 0, NULL, NULL)
+                       : CL_SUCCESS;
     return code == CL_SUCCESS ? AL_OK : fail_cl(error, "clEnqueueWriteBuffer", code);
 }
 
 al_status al_device_read(al_device *device, cl_mem buffer, void *data, size_t size, al_error *error)
 {
-    cl_int code = size ? clEnqueueReadBuffer(device->queue, buffer, CL_TRUE, 0, size, data, 0, NULL, NULL) : CL_SUCCESS;
+    cl_int code =
+        size ? clEnqueueReadBuffer(device->queue, buffer, CL_TRUE, 0, size, data, 0, NULL, NULL) : CL_SUCCESS;
     return code == CL_SUCCESS ? AL_OK : fail_cl(error, "clEnqueueReadBuffer", code);
 }
 
@@ -217,8 +227,8 @@ void al_device_release(cl_mem *buffer)
     *buffer = NULL;
 }
 
-al_status al_device_run(al_device *device, cl_kernel kernel, const size_t size[3], const al_argument *arguments,
-                        unsigned argument_count, al_error *error)
+al_status al_device_run(al_device *device, cl_kernel kernel, const size_t size[3],
+                        const al_argument *arguments, unsigned argument_count, al_error *error)
 {
     for (unsigned i = 0; i < argument_count; i++) {
         cl_int code = clSetKernelArg(kernel, i, arguments[i].size, arguments[i].value);

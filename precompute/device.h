@@ -51,8 +51,8 @@ typedef struct al_argument { /* of a kernel: size and address of the value */
 #define AL_ARGUMENT(name) ((al_argument){sizeof(name), &(name)})
 
 /* Sets the arguments and enqueues over `size`. */
-al_status al_device_run(al_device *device, cl_kernel kernel, const size_t size[3], const al_argument *arguments,
-                        unsigned argument_count, al_error *error);
+al_status al_device_run(al_device *device, cl_kernel kernel, const size_t size[3],
+                        const al_argument *arguments, unsigned argument_count, al_error *error);
 al_status al_device_finish(al_device *device, al_error *error);
 
 #endif

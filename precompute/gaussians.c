@@ -22,10 +22,10 @@ typedef struct blend {
     const al_grid *grid;
     const al_density_field *field;
     al_point_grid by_sample, by_point;
-    float *points;        /* [point_count][3] */
+    float *points;                /* [point_count][3] */
     _Atomic uint64_t *fixed_sums; /* [point_count] S in units of 2^-40 */
-    float *sums;          /* [point_count] S */
-    float *weights;       /* [count] next weights */
+    float *sums;                  /* [point_count] S */
+    float *weights;               /* [count] next weights */
     uint32_t point_count;
 } blend;
 
@@ -46,16 +46,21 @@ static float gaussian(const float centre[3], const float g[4], const float point
 static double spacing(const blend *b, uint32_t sample)
 {
     const float *p = b->samples->positions + 3 * (size_t)sample;
-    double centre[3] = {p[0], p[1], p[2]}, extent = b->grid->voxel_m * (b->grid->size[0] + b->grid->size[1] + b->grid->size[2]);
+    double centre[3] = {p[0], p[1], p[2]},
+           extent = b->grid->voxel_m * (b->grid->size[0] + b->grid->size[1] + b->grid->size[2]);
     for (double radius = 2 * b->samples->distances[sample];; radius *= 2) {
         double nearest[NEIGHBOURS];
         int found = 0;
         al_point_walk walk = al_point_walk_begin(&b->by_sample, centre, radius);
-        for (uint32_t other = al_point_walk_next(&walk); other != UINT32_MAX; other = al_point_walk_next(&walk)) {
+        for (uint32_t other = al_point_walk_next(&walk); other != UINT32_MAX;
+             other = al_point_walk_next(&walk)) {
             const float *q = b->samples->positions + 3 * (size_t)other;
-            double distance = sqrt(pow(q[0] - centre[0], 2) + pow(q[1] - centre[1], 2) + pow(q[2] - centre[2], 2));
+            double distance =
+                sqrt(pow(q[0] - centre[0], 2) + pow(q[1] - centre[1], 2) + pow(q[2] - centre[2], 2));
             if (other == sample || distance > radius) continue;
-            int at = found < NEIGHBOURS ? found++ : distance < nearest[NEIGHBOURS - 1] ? NEIGHBOURS - 1 : NEIGHBOURS;
+            int at = found < NEIGHBOURS                   ? found++
+                     : distance < nearest[NEIGHBOURS - 1] ? NEIGHBOURS - 1
+                                                          : NEIGHBOURS;
             if (at == NEIGHBOURS) continue;
             for (; at > 0 && nearest[at - 1] > distance; at--) nearest[at] = nearest[at - 1];
             nearest[at] = distance;
@@ -96,7 +101,9 @@ static bool sum_block(void *user, unsigned piece, unsigned thread)
         al_point_walk walk = al_point_walk_begin(&b->by_point, centre, g[2]);
         for (uint32_t n = al_point_walk_next(&walk); n != UINT32_MAX; n = al_point_walk_next(&walk)) {
             float value = g[1] * gaussian(p, g, b->points + 3 * (size_t)n);
-            if (value > 0) atomic_fetch_add_explicit(&b->fixed_sums[n], (uint64_t)((double)value * 0x1p40), memory_order_relaxed);
+            if (value > 0)
+                atomic_fetch_add_explicit(&b->fixed_sums[n], (uint64_t)((double)value * 0x1p40),
+                                          memory_order_relaxed);
         }
     }
     return true;
@@ -127,23 +134,28 @@ static bool weigh_block(void *user, unsigned piece, unsigned thread)
     return true;
 }
 
-/* Lists the points in by_point; those of a cell are made neighbours in memory, where most of the time goes. */
+/* Lists the points in by_point; those of a cell are made neighbours in memory, where most of the time goes.
+ */
 static al_status list_points(blend *b, const double low[3], const double high[3], al_error *error)
 {
     al_point_grid unsorted = {0};
     float *sorted = malloc(3 * (size_t)b->point_count * sizeof *sorted);
     al_status status = sorted ? AL_OK : al_fail(error, AL_IO, "out of memory for %u points", b->point_count);
-    if (status == AL_OK) status = al_point_grid_create(b->points, b->point_count, low, high, b->samples->radius_m, &unsorted, error);
+    if (status == AL_OK)
+        status = al_point_grid_create(b->points, b->point_count, low, high, b->samples->radius_m, &unsorted,
+                                      error);
     if (status == AL_OK) {
         uint32_t count = 0;
         for (uint32_t i = 0; i < b->point_count; i++) al_point_grid_insert(&unsorted, i);
-        al_point_walk walk = al_point_walk_begin(&unsorted, low, high[0] - low[0] + high[1] - low[1] + high[2] - low[2]);
+        al_point_walk walk =
+            al_point_walk_begin(&unsorted, low, high[0] - low[0] + high[1] - low[1] + high[2] - low[2]);
         for (uint32_t n = al_point_walk_next(&walk); n != UINT32_MAX; n = al_point_walk_next(&walk))
             memcpy(sorted + 3 * (size_t)count++, b->points + 3 * (size_t)n, 3 * sizeof *sorted);
         memcpy(b->points, sorted, 3 * (size_t)count * sizeof *sorted);
         al_point_grid_free(&unsorted);
         al_point_grid_free(&b->by_point);
-        status = al_point_grid_create(b->points, b->point_count, low, high, b->samples->radius_m, &b->by_point, error);
+        status = al_point_grid_create(b->points, b->point_count, low, high, b->samples->radius_m,
+                                      &b->by_point, error);
     }
     for (uint32_t i = 0; status == AL_OK && i < b->point_count; i++) al_point_grid_insert(&b->by_point, i);
     free(sorted);
@@ -167,7 +179,8 @@ static void centre_sum(blend *b, unsigned threads)
     double sum = 0;
     sum_gaussians(b, threads);
     for (uint32_t i = 0; i < b->point_count; i++) sum += b->sums[i];
-    for (uint32_t i = 0; sum > 0 && i < b->samples->count; i++) b->samples->gaussians[4 * (size_t)i + 1] *= (float)(b->point_count / sum);
+    for (uint32_t i = 0; sum > 0 && i < b->samples->count; i++)
+        b->samples->gaussians[4 * (size_t)i + 1] *= (float)(b->point_count / sum);
 }
 
 static void measure_unity(blend *b)
@@ -185,8 +198,8 @@ static void measure_unity(blend *b)
 }
 
 al_status al_sample_gaussians(const char *name, const al_grid *grid, const al_interior *interior,
-                              const al_density_field *field, const al_sample_options *options, al_progress *progress,
-                              al_samples *samples, al_error *error)
+                              const al_density_field *field, const al_sample_options *options,
+                              al_progress *progress, al_samples *samples, al_error *error)
 {
     uint32_t count = samples->count;
     blend b = {.samples = samples, .grid = grid, .field = field};
@@ -208,7 +221,9 @@ al_status al_sample_gaussians(const char *name, const al_grid *grid, const al_in
         goto cleanup;
     }
     status = al_candidates_create(grid, interior, options->seed ^ 0x5bd1e995u, &candidates, error);
-    if (status == AL_OK) status = al_point_grid_create(samples->positions, count, low, high, samples->radius_m, &b.by_sample, error);
+    if (status == AL_OK)
+        status = al_point_grid_create(samples->positions, count, low, high, samples->radius_m, &b.by_sample,
+                                      error);
     if (status != AL_OK) goto cleanup;
     for (uint32_t i = 0; i < count; i++) al_point_grid_insert(&b.by_sample, i);
     al_parallel(options->threads, blocks(count), shape_block, &b);

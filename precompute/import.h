@@ -42,8 +42,9 @@ void al_triangles_free(al_triangles *triangles);
 /* One mesh of the scene, welded, in its object space. */
 al_status al_triangles_from_mesh(const al_mesh *mesh, al_triangles *triangles, al_error *error);
 
-/* Refuses what is no closed surface: no triangles, vertices that are not finite, open edges, edges of more than
- * two triangles, mixed winding, inside out. `name` begins the message. Triangles without area are allowed. */
+/* Refuses what is no closed surface: no triangles, vertices that are not finite, open edges, edges of more
+ * than two triangles, mixed winding, inside out. `name` begins the message. Triangles without area are
+ * allowed. */
 al_status al_triangles_check(const char *name, const al_triangles *triangles, al_error *error);
 
 /* Signed volume in m3, positive when the triangles face outwards. */

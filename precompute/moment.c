@@ -30,8 +30,8 @@ void al_moment_finish(const al_sweep *sweep, al_moment_state *state)
     for (size_t i = 0; i < 3 * al_grid_count(sweep->grid); i++) state->total[i] *= weight;
 }
 
-static al_status add_batch(al_sweep *sweep, cl_kernel kernel, cl_mem directions, cl_mem planes, uint32_t first, uint32_t count,
-                           double sigma, al_error *error)
+static al_status add_batch(al_sweep *sweep, cl_kernel kernel, cl_mem directions, cl_mem planes,
+                           uint32_t first, uint32_t count, double sigma, al_error *error)
 {
     cl_float4 w[64] = {0};
     for (uint32_t pair = 0; pair < count; pair++) {
@@ -42,30 +42,36 @@ static al_status add_batch(al_sweep *sweep, cl_kernel kernel, cl_mem directions,
     al_status status = al_sweep_run(sweep, first, count, sigma, error);
     if (status == AL_OK) status = al_device_write(sweep->device, directions, w, count * sizeof *w, error);
     cl_int pair_count = (cl_int)count;
-    size_t size[3] = {(size_t)(sweep->shape.s[0] + GROUP - 1) / GROUP, (size_t)sweep->shape.s[2], (size_t)sweep->shape.s[1]};
-    al_argument arguments[] = {AL_ARGUMENT(sweep->forward), AL_ARGUMENT(sweep->backward), AL_ARGUMENT(sweep->shape),
-                               AL_ARGUMENT(sweep->fractions), AL_ARGUMENT(directions), AL_ARGUMENT(pair_count),
-                               AL_ARGUMENT(sweep->stride), AL_ARGUMENT(planes)};
+    size_t size[3] = {(size_t)(sweep->shape.s[0] + GROUP - 1) / GROUP, (size_t)sweep->shape.s[2],
+                      (size_t)sweep->shape.s[1]};
+    al_argument arguments[] = {AL_ARGUMENT(sweep->forward), AL_ARGUMENT(sweep->backward),
+                               AL_ARGUMENT(sweep->shape),   AL_ARGUMENT(sweep->fractions),
+                               AL_ARGUMENT(directions),     AL_ARGUMENT(pair_count),
+                               AL_ARGUMENT(sweep->stride),  AL_ARGUMENT(planes)};
     if (status == AL_OK)
-        status = al_device_run(sweep->device, kernel, size, arguments, sizeof arguments / sizeof *arguments, error);
+        status = al_device_run(sweep->device, kernel, size, arguments, sizeof arguments / sizeof *arguments,
+                               error);
     if (status == AL_OK) status = al_device_finish(sweep->device, error);
     return status;
 }
 
-al_status al_moment_run(al_sweep *sweep, double sigma, al_moment_state *state, al_progress *progress, al_error *error)
+al_status al_moment_run(al_sweep *sweep, double sigma, al_moment_state *state, al_progress *progress,
+                        al_error *error)
 {
     cl_kernel kernel = NULL;
     cl_mem directions = NULL, planes = NULL;
     size_t bytes = 3 * state->plane_size * sizeof *state->planes;
     uint32_t done = 0, total = sweep->direction_count / 2;
     al_status status = al_device_kernel(sweep->device, "moment", &kernel, error);
-    if (status == AL_OK) status = al_device_buffer(sweep->device, 64 * sizeof(cl_float4), NULL, &directions, error);
+    if (status == AL_OK)
+        status = al_device_buffer(sweep->device, 64 * sizeof(cl_float4), NULL, &directions, error);
     if (status == AL_OK) status = al_device_buffer(sweep->device, bytes, state->planes, &planes, error);
     for (uint32_t a = 0; a < 3 && status == AL_OK; a++) {
         if (a < state->axis) continue;
         status = al_sweep_set_axis(sweep, a, error);
         while (status == AL_OK && state->next < sweep->pair_count) {
-            uint32_t left = sweep->pair_count - state->next, count = left < sweep->batch ? left : sweep->batch;
+            uint32_t left = sweep->pair_count - state->next,
+                     count = left < sweep->batch ? left : sweep->batch;
             status = add_batch(sweep, kernel, directions, planes, state->next, count, sigma, error);
             if (status != AL_OK) break;
             state->next += count;
@@ -74,11 +80,13 @@ al_status al_moment_run(al_sweep *sweep, double sigma, al_moment_state *state, a
         }
         if (status != AL_OK && status != AL_CANCELLED) break;
         al_error ignored;
-        al_status read = al_device_read(sweep->device, planes, state->planes, bytes, status == AL_OK ? error : &ignored);
+        al_status read =
+            al_device_read(sweep->device, planes, state->planes, bytes, status == AL_OK ? error : &ignored);
         if (read != AL_OK) status = read;
         if (status != AL_OK) break;
         for (int i = 0; i < 3; i++)
-            al_sweep_unpad_add(sweep, state->planes + i * sweep->stride, state->total + i * al_grid_count(sweep->grid));
+            al_sweep_unpad_add(sweep, state->planes + i * sweep->stride,
+                               state->total + i * al_grid_count(sweep->grid));
         memset(state->planes, 0, bytes);
         status = al_device_write(sweep->device, planes, state->planes, bytes, error);
         state->axis = a + 1;

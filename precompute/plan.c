@@ -9,7 +9,8 @@ static const double seconds_per_sample = 1.5e-4;
 
 static void add(al_plan *plan, const char *step, bool needed, const char *why, double seconds, double bytes)
 {
-    plan->steps[plan->count++] = (al_plan_step){step, needed, why, needed ? seconds : 0, needed ? (uint64_t)bytes : 0};
+    plan->steps[plan->count++] =
+        (al_plan_step){step, needed, why, needed ? seconds : 0, needed ? (uint64_t)bytes : 0};
 }
 
 void al_plan_make(const al_import *import, al_plan *plan)
@@ -24,26 +25,36 @@ void al_plan_make(const al_import *import, al_plan *plan)
         for (int c = 0; c < 3; c++) t[c] = (double)m->sigma_s_per_m[c] + m->sigma_a_per_m[c];
         if (t[0] != t[1] || t[1] != t[2]) chromatic = true;
     }
-    for (uint32_t i = 0; i < scene->instance_count; i++) blockers = blockers || scene->instances[i].role == AL_ROLE_BLOCKER;
+    for (uint32_t i = 0; i < scene->instance_count; i++)
+        blockers = blockers || scene->instances[i].role == AL_ROLE_BLOCKER;
     double channels = chromatic ? 3 : 1, directions = s->directions, samples = s->samples;
     const char *none = "the scene has no translucent object";
 
     plan->count = 0;
     add(plan, "scene", true, "what the player draws: meshes, materials, lights, cameras", 0.1, 0);
-    add(plan, "voxelise", any, any ? "translucent objects are swept as voxels" : none, objects * voxels * 2e-7, voxels * 5);
-    add(plan, "blockers", any && blockers, blockers ? "opaque meshes lie inside translucent objects" : "no opaque mesh lies inside a translucent object",
+    add(plan, "voxelise", any, any ? "translucent objects are swept as voxels" : none,
+        objects * voxels * 2e-7, voxels * 5);
+    add(plan, "blockers", any && blockers,
+        blockers ? "opaque meshes lie inside translucent objects"
+                 : "no opaque mesh lies inside a translucent object",
         objects * voxels * 1e-7, voxels * 4);
     add(plan, "optical depth", any, any ? "the moment needs the transmittance in every direction" : none,
         objects * voxels * directions * seconds_per_voxel_direction, voxels * 4 * 40);
     add(plan, "moment", any, any ? "its divergence says where samples must be dense" : none, 0, voxels * 24);
-    add(plan, "divergence", any, any ? "sampling follows |div T|" : none, objects * voxels * 1e-8, voxels * 4);
-    add(plan, "sample", any, any ? "samples carry the light" : none, objects * samples * seconds_per_sample, samples * 200);
+    add(plan, "divergence", any, any ? "sampling follows |div T|" : none, objects * voxels * 1e-8,
+        voxels * 4);
+    add(plan, "sample", any, any ? "samples carry the light" : none, objects * samples * seconds_per_sample,
+        samples * 200);
     add(plan, "project", any, any ? "each sample keeps its transmittance as spherical harmonics" : none,
-        objects * channels * directions * (samples * seconds_per_sample_direction + voxels * seconds_per_voxel_direction / 2),
+        objects * channels * directions *
+            (samples * seconds_per_sample_direction + voxels * seconds_per_voxel_direction / 2),
         samples * channels * s->sh_order * s->sh_order * 8.0);
     add(plan, "colour channels", any && chromatic,
-        chromatic ? "extinction differs between red, green and blue: three sets of coefficients" : "extinction is grey: one set of coefficients serves", 0, 0);
+        chromatic ? "extinction differs between red, green and blue: three sets of coefficients"
+                  : "extinction is grey: one set of coefficients serves",
+        0, 0);
     add(plan, "environment", scene->environment.width > 0,
-        scene->environment.width > 0 ? "the scene has an environment light" : "the scene has no environment light", 0.1,
-        12.0 * scene->environment.width * scene->environment.height);
+        scene->environment.width > 0 ? "the scene has an environment light"
+                                     : "the scene has no environment light",
+        0.1, 12.0 * scene->environment.width * scene->environment.height);
 }

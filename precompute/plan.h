@@ -10,8 +10,8 @@ typedef struct al_plan_step {
     const char *step;
     bool needed;
     const char *why;
-    double seconds;  /* estimate on two cores */
-    uint64_t bytes;  /* memory while it runs, estimate */
+    double seconds; /* estimate on two cores */
+    uint64_t bytes; /* memory while it runs, estimate */
 } al_plan_step;
 
 typedef struct al_plan {

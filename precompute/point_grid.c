@@ -5,8 +5,8 @@
 
 static const double cell_limit = 64e6;
 
-al_status al_point_grid_create(const float *positions, uint32_t capacity, const double low[3], const double high[3],
-                               double cell_m, al_point_grid *grid, al_error *error)
+al_status al_point_grid_create(const float *positions, uint32_t capacity, const double low[3],
+                               const double high[3], double cell_m, al_point_grid *grid, al_error *error)
 {
     *grid = (al_point_grid){.positions = positions, .cell_m = cell_m};
     double cells = 1;

@@ -17,8 +17,8 @@ typedef struct al_point_grid {
 } al_point_grid;
 
 /* An empty grid over a box; cells are made larger than asked where there would be too many. */
-al_status al_point_grid_create(const float *positions, uint32_t capacity, const double low[3], const double high[3],
-                               double cell_m, al_point_grid *grid, al_error *error);
+al_status al_point_grid_create(const float *positions, uint32_t capacity, const double low[3],
+                               const double high[3], double cell_m, al_point_grid *grid, al_error *error);
 void al_point_grid_insert(al_point_grid *grid, uint32_t point);
 void al_point_grid_free(al_point_grid *grid);
 
@@ -36,7 +36,8 @@ typedef struct al_point_walk {
     uint32_t point;
 } al_point_walk;
 
-static inline al_point_walk al_point_walk_begin(const al_point_grid *grid, const double centre[3], double radius)
+static inline al_point_walk al_point_walk_begin(const al_point_grid *grid, const double centre[3],
+                                                double radius)
 {
     al_point_walk walk = {.grid = grid, .point = UINT32_MAX};
     for (int i = 0; i < 3; i++) {
@@ -60,7 +61,8 @@ static inline uint32_t al_point_walk_next(al_point_walk *walk)
                 if (++walk->at[2] > walk->high[2]) return UINT32_MAX;
             }
         }
-        walk->point = grid->first[((int64_t)walk->at[2] * grid->size[1] + walk->at[1]) * grid->size[0] + walk->at[0]];
+        walk->point =
+            grid->first[((int64_t)walk->at[2] * grid->size[1] + walk->at[1]) * grid->size[0] + walk->at[0]];
     }
     return walk->point;
 }

@@ -19,7 +19,9 @@ al_status al_project_begin(uint32_t point_count, uint32_t order, al_project_stat
 {
     *state = (al_project_state){.sum_count = (size_t)point_count * blocks_for(order) * 8};
     state->sums = calloc(state->sum_count + 1, sizeof *state->sums);
-    return state->sums ? AL_OK : al_fail(error, AL_IO, "out of memory for the coefficients of %u samples", point_count);
+    return state->sums
+               ? AL_OK
+               : al_fail(error, AL_IO, "out of memory for the coefficients of %u samples", point_count);
 }
 
 void al_project_free(al_project_state *state)
@@ -57,8 +59,8 @@ typedef struct projector {
     float *basis; /* [2][batch][blocks * 8] */
 } projector;
 
-static al_status add_batch(al_sweep *sweep, projector *p, uint32_t order, uint32_t first, uint32_t count, double sigma,
-                           uint32_t point_count, al_error *error)
+static al_status add_batch(al_sweep *sweep, projector *p, uint32_t order, uint32_t first, uint32_t count,
+                           double sigma, uint32_t point_count, al_error *error)
 {
     size_t run = blocks_for(order) * 8, bytes = count * run * sizeof *p->basis;
     for (uint32_t pair = 0; pair < count; pair++) {
@@ -68,29 +70,36 @@ static al_status add_batch(al_sweep *sweep, projector *p, uint32_t order, uint32
     }
     al_status status = al_sweep_run(sweep, first, count, sigma, error);
     if (status == AL_OK) status = al_device_write(sweep->device, p->even, p->basis, bytes, error);
-    if (status == AL_OK) status = al_device_write(sweep->device, p->odd, p->basis + sweep->batch * run, bytes, error);
+    if (status == AL_OK)
+        status = al_device_write(sweep->device, p->odd, p->basis + sweep->batch * run, bytes, error);
     cl_int pair_count = (cl_int)count, blocks = (cl_int)blocks_for(order);
     size_t size[3] = {point_count, 1, 1};
-    al_argument arguments[] = {AL_ARGUMENT(sweep->forward), AL_ARGUMENT(sweep->backward), AL_ARGUMENT(sweep->shape),
-                               AL_ARGUMENT(sweep->fractions), AL_ARGUMENT(p->points), AL_ARGUMENT(p->even), AL_ARGUMENT(p->odd),
-                               AL_ARGUMENT(pair_count), AL_ARGUMENT(blocks), AL_ARGUMENT(sweep->stride), AL_ARGUMENT(p->sums)};
+    al_argument arguments[] = {
+        AL_ARGUMENT(sweep->forward),   AL_ARGUMENT(sweep->backward), AL_ARGUMENT(sweep->shape),
+        AL_ARGUMENT(sweep->fractions), AL_ARGUMENT(p->points),       AL_ARGUMENT(p->even),
+        AL_ARGUMENT(p->odd),           AL_ARGUMENT(pair_count),      AL_ARGUMENT(blocks),
+        AL_ARGUMENT(sweep->stride),    AL_ARGUMENT(p->sums)};
     if (status == AL_OK)
-        status = al_device_run(sweep->device, p->kernel, size, arguments, sizeof arguments / sizeof *arguments, error);
+        status = al_device_run(sweep->device, p->kernel, size, arguments,
+                               sizeof arguments / sizeof *arguments, error);
     if (status == AL_OK) status = al_device_finish(sweep->device, error);
     return status;
 }
 
-al_status al_project_run(al_sweep *sweep, double sigma, uint32_t order, const float *points, uint32_t point_count,
-                         al_project_state *state, al_progress *progress, al_error *error)
+al_status al_project_run(al_sweep *sweep, double sigma, uint32_t order, const float *points,
+                         uint32_t point_count, al_project_state *state, al_progress *progress,
+                         al_error *error)
 {
     projector p = {0};
-    size_t basis_bytes = sweep->batch * blocks_for(order) * 8 * sizeof *p.basis, point_bytes = point_count * sizeof *p.placed;
+    size_t basis_bytes = sweep->batch * blocks_for(order) * 8 * sizeof *p.basis,
+           point_bytes = point_count * sizeof *p.placed;
     size_t sum_bytes = state->sum_count * sizeof *state->sums;
     uint32_t done = 0, total = sweep->direction_count / 2;
     al_status status = al_device_kernel(sweep->device, "project", &p.kernel, error);
     p.placed = malloc(point_bytes + 1);
     p.basis = malloc(2 * basis_bytes);
-    if (status == AL_OK && (!p.placed || !p.basis)) status = al_fail(error, AL_IO, "out of memory for %u samples", point_count);
+    if (status == AL_OK && (!p.placed || !p.basis))
+        status = al_fail(error, AL_IO, "out of memory for %u samples", point_count);
     if (status == AL_OK) status = al_device_buffer(sweep->device, point_bytes, NULL, &p.points, error);
     if (status == AL_OK) status = al_device_buffer(sweep->device, basis_bytes, NULL, &p.even, error);
     if (status == AL_OK) status = al_device_buffer(sweep->device, basis_bytes, NULL, &p.odd, error);
@@ -100,7 +109,8 @@ al_status al_project_run(al_sweep *sweep, double sigma, uint32_t order, const fl
         place_points(sweep, points, point_count, p.placed);
         if (status == AL_OK) status = al_device_write(sweep->device, p.points, p.placed, point_bytes, error);
         while (status == AL_OK && state->next < sweep->pair_count) {
-            uint32_t left = sweep->pair_count - state->next, count = left < sweep->batch ? left : sweep->batch;
+            uint32_t left = sweep->pair_count - state->next,
+                     count = left < sweep->batch ? left : sweep->batch;
             status = add_batch(sweep, &p, order, state->next, count, sigma, point_count, error);
             if (status != AL_OK) break;
             state->next += count;
@@ -114,7 +124,8 @@ al_status al_project_run(al_sweep *sweep, double sigma, uint32_t order, const fl
     }
     if (status == AL_OK || status == AL_CANCELLED) {
         al_error ignored;
-        al_status read = al_device_read(sweep->device, p.sums, state->sums, sum_bytes, status == AL_OK ? error : &ignored);
+        al_status read =
+            al_device_read(sweep->device, p.sums, state->sums, sum_bytes, status == AL_OK ? error : &ignored);
         if (read != AL_OK) status = read;
     }
     cl_mem *buffers[] = {&p.points, &p.even, &p.odd, &p.sums};
@@ -125,8 +136,8 @@ al_status al_project_run(al_sweep *sweep, double sigma, uint32_t order, const fl
     return status;
 }
 
-void al_project_finish(const al_project_state *state, uint32_t direction_count, uint32_t order, uint32_t point_count,
-                       float *coefficients, size_t stride)
+void al_project_finish(const al_project_state *state, uint32_t direction_count, uint32_t order,
+                       uint32_t point_count, float *coefficients, size_t stride)
 {
     size_t run = blocks_for(order) * 8;
     double weight = 4 * AL_PI / direction_count, constant[AL_SH_MAX_COUNT] = {0};

@@ -15,8 +15,9 @@ static json_t *plan_array(const al_plan *plan)
     json_t *array = json_array();
     for (unsigned i = 0; i < plan->count; i++) {
         const al_plan_step *s = &plan->steps[i];
-        json_array_append_new(array, json_pack("{s:s, s:b, s:s, s:f, s:I}", "step", s->step, "needed", s->needed, "why", s->why, "seconds",
-                                               s->seconds, "bytes", (json_int_t)s->bytes));
+        json_array_append_new(array,
+                              json_pack("{s:s, s:b, s:s, s:f, s:I}", "step", s->step, "needed", s->needed,
+                                        "why", s->why, "seconds", s->seconds, "bytes", (json_int_t)s->bytes));
     }
     return array;
 }
@@ -33,8 +34,9 @@ static void append_steps(json_t *array, const al_steps *steps, const char *objec
 {
     for (unsigned i = 0; i < steps->count; i++) {
         const al_step *s = &steps->steps[i];
-        json_t *step = json_pack("{s:s, s:f, s:I, s:I}", "name", s->name, "seconds", s->seconds, "bytes_written",
-                                 (json_int_t)s->bytes_written, "items", (json_int_t)s->items);
+        json_t *step =
+            json_pack("{s:s, s:f, s:I, s:I}", "name", s->name, "seconds", s->seconds, "bytes_written",
+                      (json_int_t)s->bytes_written, "items", (json_int_t)s->items);
         if (object) json_object_set_new(step, "object", json_string(object));
         json_array_append_new(array, step);
     }
@@ -46,7 +48,8 @@ static void append_asset(json_t *array, const char *folder, const char *file, co
     struct stat facts;
     snprintf(path, sizeof path, "%s/%s", folder, file);
     if (stat(path, &facts) != 0) return;
-    json_array_append_new(array, json_pack("{s:s, s:s, s:I}", "path", file, "kind", kind, "bytes", (json_int_t)facts.st_size));
+    json_array_append_new(
+        array, json_pack("{s:s, s:s, s:I}", "path", file, "kind", kind, "bytes", (json_int_t)facts.st_size));
 }
 
 al_status al_report_write(const char *folder, const al_report *report, al_error *error)
@@ -55,19 +58,22 @@ al_status al_report_write(const char *folder, const al_report *report, al_error 
     json_t *steps = json_array(), *inputs = json_array(), *assets = json_array();
     char path[1200], hash[17];
     append_steps(steps, &report->steps, NULL);
-    for (uint32_t i = 0; i < scene->translucent_count; i++) append_steps(steps, &report->objects[i], scene->translucents[i].name);
+    for (uint32_t i = 0; i < scene->translucent_count; i++)
+        append_steps(steps, &report->objects[i], scene->translucents[i].name);
     for (uint32_t i = 0; i < report->import->input_count; i++) {
         snprintf(hash, sizeof hash, "%016llx", (unsigned long long)report->import->inputs[i].xxh64);
-        json_array_append_new(inputs, json_pack("{s:s, s:s}", "path", report->import->inputs[i].path, "xxh64", hash));
+        json_array_append_new(inputs,
+                              json_pack("{s:s, s:s}", "path", report->import->inputs[i].path, "xxh64", hash));
     }
     append_asset(assets, folder, "scene.air", al_kind_name(AL_KIND_SCENE));
     for (uint32_t i = 0; i < scene->translucent_count; i++)
         append_asset(assets, folder, scene->translucents[i].asset, al_kind_name(AL_KIND_TRANSLUCENT));
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
-    json_t *root = json_pack("{s:o, s:o, s:o, s:o, s:s, s:s, s:I}", "plan", plan_array(report->plan), "steps", steps, "inputs", inputs, "assets",
-                             assets, "device", report->device, "tool_version", "airlight-bake " AIRLIGHT_VERSION, "peak_memory_bytes",
-                             (json_int_t)usage.ru_maxrss * 1024);
+    json_t *root =
+        json_pack("{s:o, s:o, s:o, s:o, s:s, s:s, s:I}", "plan", plan_array(report->plan), "steps", steps,
+                  "inputs", inputs, "assets", assets, "device", report->device, "tool_version",
+                  "airlight-bake " AIRLIGHT_VERSION, "peak_memory_bytes", (json_int_t)usage.ru_maxrss * 1024);
     char *text = root ? json_dumps(root, JSON_INDENT(2)) : NULL;
     json_decref(root);
     snprintf(path, sizeof path, "%s/report.json", folder);

@@ -80,7 +80,8 @@ static double distance_at(const thrower *t, double radius, const double point[3]
 }
 
 /* Whether a point with its free distance may join; scale widens all distances. */
-static bool fits(const al_point_grid *placed, const float *distances, const double point[3], double distance, double scale)
+static bool fits(const al_point_grid *placed, const float *distances, const double point[3], double distance,
+                 double scale)
 {
     al_point_walk walk = al_point_walk_begin(placed, point, scale * distance);
     for (uint32_t other = al_point_walk_next(&walk); other != UINT32_MAX; other = al_point_walk_next(&walk)) {
@@ -131,7 +132,8 @@ static al_status throw_darts(const thrower *t, double radius, al_samples *sample
         double distance = (float)distance_at(t, radius, point);
         if (!fits(&placed, samples->distances, point, distance, 1)) continue;
         if (samples->count == sample_limit)
-            status = al_fail(error, AL_BAD_INPUT, "radius_m %g asks for more than %u samples; enlarge it", radius, sample_limit);
+            status = al_fail(error, AL_BAD_INPUT, "radius_m %g asks for more than %u samples; enlarge it",
+                             radius, sample_limit);
         else if (samples->count == capacity)
             status = grow(samples, &capacity, &placed, error);
         if (status != AL_OK) break;
@@ -159,7 +161,8 @@ static double guess_radius(const thrower *t, uint32_t asked)
 
 /* The count falls with the cube of r where the object is large beside r; the secant in log-log follows what
  * it really does. */
-static al_status solve_radius(const thrower *t, const char *name, uint32_t asked, al_samples *samples, al_error *error)
+static al_status solve_radius(const thrower *t, const char *name, uint32_t asked, al_samples *samples,
+                              al_error *error)
 {
     double radius = guess_radius(t, asked);
     double previous_radius = 0, previous_count = 0;
@@ -177,8 +180,10 @@ static al_status solve_radius(const thrower *t, const char *name, uint32_t asked
         radius *= pow(1 / miss, 1 / slope);
     }
     if (fabs((double)samples->count / asked - 1) <= 0.02 || asked < 50) return AL_OK;
-    return al_fail(error, AL_BAD_INPUT, "%s: %u samples were asked for, %u are as near as the radius comes; ask for more, or give radius_m",
-                   name, asked, samples->count);
+    return al_fail(
+        error, AL_BAD_INPUT,
+        "%s: %u samples were asked for, %u are as near as the radius comes; ask for more, or give radius_m",
+        name, asked, samples->count);
 }
 
 /* Reorders the samples so that every prefix is well spread: with distances widened by a factor that shrinks
@@ -186,16 +191,21 @@ static al_status solve_radius(const thrower *t, const char *name, uint32_t asked
 static al_status order_progressively(const thrower *t, al_samples *samples, al_error *error)
 {
     uint32_t count = samples->count, placed_count = 0;
-    float *positions = malloc(3 * (size_t)count * sizeof *positions + 1), *distances = malloc(count * sizeof *distances + 1);
+    float *positions = malloc(3 * (size_t)count * sizeof *positions + 1),
+          *distances = malloc(count * sizeof *distances + 1);
     uint32_t *rest = malloc(count * sizeof *rest + 1), rest_count = count;
     double extent = 0;
-    al_status status = positions && distances && rest ? AL_OK : al_fail(error, AL_IO, "out of memory to order %u samples", count);
+    al_status status = positions && distances && rest
+                           ? AL_OK
+                           : al_fail(error, AL_IO, "out of memory to order %u samples", count);
     for (uint32_t i = 0; rest && i < count; i++) rest[i] = i;
     for (int i = 0; i < 3; i++) extent = fmax(extent, t->high[i] - t->low[i]);
-    for (double scale = fmax(extent / samples->radius_m, 1); status == AL_OK && rest_count > 0; scale *= 0.7937) {
+    for (double scale = fmax(extent / samples->radius_m, 1); status == AL_OK && rest_count > 0;
+         scale *= 0.7937) {
         if (scale < 1) scale = 1;
         al_point_grid placed;
-        status = al_point_grid_create(positions, count, t->low, t->high, scale * samples->radius_m, &placed, error);
+        status = al_point_grid_create(positions, count, t->low, t->high, scale * samples->radius_m, &placed,
+                                      error);
         if (status != AL_OK) break;
         for (uint32_t i = 0; i < placed_count; i++) al_point_grid_insert(&placed, i);
         uint32_t kept = 0;
@@ -235,12 +245,17 @@ static double medium_volume(const al_grid *grid, double interior_volume)
     return interior_volume - opaque * pow(grid->voxel_m, 3);
 }
 
-al_status al_sample_interior(const char *name, const al_grid *grid, const float *rho, const al_interior *interior,
-                             const al_sample_options *options, al_progress *progress, al_samples *samples, al_error *error)
+al_status al_sample_interior(const char *name, const al_grid *grid, const float *rho,
+                             const al_interior *interior, const al_sample_options *options,
+                             al_progress *progress, al_samples *samples, al_error *error)
 {
     al_candidates candidates;
     *samples = (al_samples){0};
-    thrower t = {.grid = grid, .rho = rho, .candidates = &candidates, .progress = progress, .expected = options->count};
+    thrower t = {.grid = grid,
+                 .rho = rho,
+                 .candidates = &candidates,
+                 .progress = progress,
+                 .expected = options->count};
     al_status status = al_candidates_create(grid, interior, options->seed, &candidates, error);
     if (status != AL_OK) return status;
     for (int i = 0; i < 3; i++) {

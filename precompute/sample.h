@@ -12,8 +12,8 @@ typedef struct al_interior { /* tetrahedra that fill the boundary, object space,
 } al_interior;
 
 typedef struct al_sample_options {
-    uint32_t count;   /* asked number of samples, met within 2 %; 0: radius_m decides */
-    double radius_m;  /* base radius r, used when count is 0 */
+    uint32_t count;  /* asked number of samples, met within 2 %; 0: radius_m decides */
+    double radius_m; /* base radius r, used when count is 0 */
     uint32_t seed;
     unsigned threads;
 } al_sample_options;
@@ -30,14 +30,15 @@ typedef struct al_samples {
 } al_samples;
 
 /* Places the samples: rho [z][y][x] in 1/m. */
-al_status al_sample_interior(const char *name, const al_grid *grid, const float *rho, const al_interior *interior,
-                             const al_sample_options *options, al_progress *progress, al_samples *samples, al_error *error);
+al_status al_sample_interior(const char *name, const al_grid *grid, const float *rho,
+                             const al_interior *interior, const al_sample_options *options,
+                             al_progress *progress, al_samples *samples, al_error *error);
 
 /* Gives each sample its Gaussian: width from its neighbours' distance, weights such that the sum over all
  * samples is 1 inside, density at its place. */
 al_status al_sample_gaussians(const char *name, const al_grid *grid, const al_interior *interior,
-                              const al_density_field *field, const al_sample_options *options, al_progress *progress,
-                              al_samples *samples, al_error *error);
+                              const al_density_field *field, const al_sample_options *options,
+                              al_progress *progress, al_samples *samples, al_error *error);
 void al_samples_free(al_samples *samples);
 
 /* A point drawn uniformly from the interior without its blockers: number `index` of the sequence of `seed`.
@@ -48,8 +49,8 @@ typedef struct al_candidates {
     double *running_volume; /* [interior.count] */
     uint32_t seed;
 } al_candidates;
-al_status al_candidates_create(const al_grid *grid, const al_interior *interior, uint32_t seed, al_candidates *candidates,
-                               al_error *error);
+al_status al_candidates_create(const al_grid *grid, const al_interior *interior, uint32_t seed,
+                               al_candidates *candidates, al_error *error);
 void al_candidates_free(al_candidates *candidates);
 bool al_candidate(const al_candidates *candidates, uint64_t index, double point[3]);
 

@@ -80,14 +80,16 @@ static double edge(const double *positions, uint32_t a, uint32_t b, double x, do
     return sign * (value == 0 ? 1e-300 : value);
 }
 
-static void cut_line(const voxeliser *v, const double *positions, const uint32_t *corner, double x, double y, float *line)
+static void cut_line(const voxeliser *v, const double *positions, const uint32_t *corner, double x, double y,
+                     float *line)
 {
     double e0 = edge(positions, corner[1], corner[2], x, y);
     double e1 = edge(positions, corner[2], corner[0], x, y);
     double e2 = edge(positions, corner[0], corner[1], x, y);
     bool counter_clockwise = e0 > 0 && e1 > 0 && e2 > 0;
     if (!counter_clockwise && !(e0 < 0 && e1 < 0 && e2 < 0)) return;
-    double z = (e0 * positions[3 * corner[0] + 2] + e1 * positions[3 * corner[1] + 2] + e2 * positions[3 * corner[2] + 2]) /
+    double z = (e0 * positions[3 * corner[0] + 2] + e1 * positions[3 * corner[1] + 2] +
+                e2 * positions[3 * corner[2] + 2]) /
                (e0 + e1 + e2);
     double slab = (z - v->grid->origin_m[2]) / v->grid->voxel_m * v->slabs;
     double whole = fmin(fmax(floor(slab), 0), (double)v->grid->size[2] * v->slabs - 1);
@@ -137,11 +139,13 @@ static double density_at(const voxeliser *v, const double object[3])
     double clamped[3], world[3];
     const double *m = v->field->to_world;
     for (int i = 0; i < 3; i++) clamped[i] = fmin(fmax(object[i], v->low[i]), v->high[i]);
-    for (int i = 0; i < 3; i++) world[i] = m[i] * clamped[0] + m[4 + i] * clamped[1] + m[8 + i] * clamped[2] + m[12 + i];
+    for (int i = 0; i < 3; i++)
+        world[i] = m[i] * clamped[0] + m[4 + i] * clamped[1] + m[8 + i] * clamped[2] + m[12 + i];
     return al_density_at(v->field->density, world);
 }
 
-static void fill_voxel(const voxeliser *v, uint32_t x, uint32_t y, uint32_t z, const float *inside, const float *opaque)
+static void fill_voxel(const voxeliser *v, uint32_t x, uint32_t y, uint32_t z, const float *inside,
+                       const float *opaque)
 {
     al_grid *grid = v->grid;
     size_t slabs = (size_t)grid->size[2] * v->slabs, columns = (size_t)grid->size[0] * LINES;
@@ -208,8 +212,8 @@ static void place_grid(voxeliser *v, const al_triangles *boundary, uint32_t reso
 }
 
 al_status al_grid_voxelise(const char *name, const al_triangles *boundary, const al_triangles *blockers,
-                           const al_density_field *field, uint32_t resolution, unsigned threads, al_grid *grid,
-                           al_error *error)
+                           const al_density_field *field, uint32_t resolution, unsigned threads,
+                           al_grid *grid, al_error *error)
 {
     *grid = (al_grid){0};
     voxeliser v = {.grid = grid, .field = field};
@@ -219,8 +223,10 @@ al_status al_grid_voxelise(const char *name, const al_triangles *boundary, const
     place_grid(&v, boundary, resolution);
     v.constant = al_density_is_constant(field->density);
     v.constant_density = al_density_max(field->density);
-    v.slabs = !v.constant && al_density_detail_m(field->density) < 1.5 * grid->voxel_m ? SLABS_FINE : SLABS_COARSE;
-    v.scratch_size = (blocked ? 2 : 1) * (size_t)grid->size[0] * LINES * LINES * ((size_t)grid->size[2] * v.slabs + 1);
+    v.slabs =
+        !v.constant && al_density_detail_m(field->density) < 1.5 * grid->voxel_m ? SLABS_FINE : SLABS_COARSE;
+    v.scratch_size =
+        (blocked ? 2 : 1) * (size_t)grid->size[0] * LINES * LINES * ((size_t)grid->size[2] * v.slabs + 1);
     size_t count = al_grid_count(grid);
     grid->density = calloc(count, sizeof *grid->density);
     grid->inside = calloc(count, 1);
@@ -228,7 +234,8 @@ al_status al_grid_voxelise(const char *name, const al_triangles *boundary, const
     v.scratch = malloc(threads * v.scratch_size * sizeof *v.scratch);
     if (!grid->density || !grid->inside || (blocked && !grid->blockers) || !v.scratch ||
         !list_by_row(&v, boundary, &v.boundary) || (blocked && !list_by_row(&v, blockers, &v.blockers))) {
-        status = al_fail(error, AL_IO, "%s: out of memory for a grid of %u x %u x %u voxels; lower grid_resolution", name,
+        status = al_fail(error, AL_IO,
+                         "%s: out of memory for a grid of %u x %u x %u voxels; lower grid_resolution", name,
                          grid->size[0], grid->size[1], grid->size[2]);
         goto cleanup;
     }
@@ -240,10 +247,14 @@ al_status al_grid_voxelise(const char *name, const al_triangles *boundary, const
     }
     if (inside == 0)
         status = al_fail(error, AL_BAD_INPUT,
-                         "%s: no voxel of the grid lies inside the boundary (or its blockers fill it); raise grid_resolution", name);
+                         "%s: no voxel of the grid lies inside the boundary (or its blockers fill it); raise "
+                         "grid_resolution",
+                         name);
     else if (grid->density_max <= 0)
         status = al_fail(error, AL_BAD_INPUT,
-                         "%s: the medium has zero density everywhere inside the boundary; place its grid inside or give a density", name);
+                         "%s: the medium has zero density everywhere inside the boundary; place its grid "
+                         "inside or give a density",
+                         name);
 cleanup:
     free(v.scratch);
     free(v.boundary.row_start);

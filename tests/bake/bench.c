@@ -72,11 +72,13 @@ int main(void)
     al_medium_description medium = {.density = {.type = AL_DENSITY_CONSTANT, .scale = 1}};
     al_scene_description scene = {.path = "bench", .folder = "."};
     al_triangles mesh = test_sphere(1, 96);
-    if (al_device_open(0, 0, ".", true, &device, &error) != AL_OK || al_density_open(&scene, &medium, &density, &error) != AL_OK) {
+    if (al_device_open(0, 0, ".", true, &device, &error) != AL_OK ||
+        al_density_open(&scene, &medium, &density, &error) != AL_OK) {
         fprintf(stderr, "%s\n", error.message);
         return error.status;
     }
-    al_density_field field = {.density = density, .to_world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+    al_density_field field = {.density = density,
+                              .to_world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
     if (al_grid_voxelise("sphere", &mesh, NULL, &field, 126, 0, &grid, &error) != AL_OK) return error.status;
     printf("device: %s; grid %u x %u x %u\n", device->name, grid.size[0], grid.size[1], grid.size[2]);
 

@@ -1,5 +1,5 @@
-/* Step 5: Poisson-disk distance for every pair, asked counts, prefixes, the sum of the Gaussians, and the same
- * bytes from any number of threads, on a homogeneous sphere. */
+/* Step 5: Poisson-disk distance for every pair, asked counts, prefixes, the sum of the Gaussians, and the
+ * same bytes from any number of threads, on a homogeneous sphere. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -48,7 +48,8 @@ static bool open_scene(scene *s, al_device *device, uint32_t directions)
     memset(s, 0, sizeof *s);
     al_progress_begin(&progress, &quiet, "test");
     CHECK(al_density_open(&description, &medium, &s->density, &error) == AL_OK);
-    s->field = (al_density_field){.density = s->density, .to_world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+    s->field = (al_density_field){.density = s->density,
+                                  .to_world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
     CHECK(al_grid_voxelise("sphere", &mesh, NULL, &s->field, 48, 0, &s->grid, &error) == AL_OK);
     CHECK(al_sweep_create(device, &s->grid, directions, 4, 256u << 20, &sweep, &error) == AL_OK);
     CHECK(al_moment_begin(&sweep, &moment, &error) == AL_OK);
@@ -79,9 +80,11 @@ static al_samples place(const scene *s, al_sample_options options)
     al_progress progress;
     al_samples samples;
     al_progress_begin(&progress, &quiet, "test");
-    al_status status = al_sample_interior("sphere", &s->grid, s->rho, &s->interior, &options, &progress, &samples, &error);
+    al_status status =
+        al_sample_interior("sphere", &s->grid, s->rho, &s->interior, &options, &progress, &samples, &error);
     if (status == AL_OK)
-        status = al_sample_gaussians("sphere", &s->grid, &s->interior, &s->field, &options, &progress, &samples, &error);
+        status = al_sample_gaussians("sphere", &s->grid, &s->interior, &s->field, &options, &progress,
+                                     &samples, &error);
     if (status != AL_OK) printf("%s\n", error.message);
     CHECK(status == AL_OK);
     return samples;
@@ -94,7 +97,8 @@ static double least_relative_distance(const al_samples *samples, uint32_t count)
     for (uint32_t i = 0; i < count; i++)
         for (uint32_t j = i + 1; j < count; j++) {
             double square = 0;
-            for (int n = 0; n < 3; n++) square += pow(samples->positions[3 * i + n] - samples->positions[3 * j + n], 2);
+            for (int n = 0; n < 3; n++)
+                square += pow(samples->positions[3 * i + n] - samples->positions[3 * j + n], 2);
             least = fmin(least, sqrt(square) / fmin(samples->distances[i], samples->distances[j]));
         }
     return least;
@@ -103,15 +107,16 @@ static double least_relative_distance(const al_samples *samples, uint32_t count)
 static void check_samples(const scene *s, uint32_t asked)
 {
     al_samples samples = place(s, (al_sample_options){.count = asked, .seed = 1, .threads = 1});
-    printf("asked %u, placed %u, r %.5f; sum of Gaussians: mean %.4f, deviation %.4f, worst %.4f\n", asked, samples.count,
-           samples.radius_m, samples.unity_mean, samples.unity_deviation, samples.unity_worst);
+    printf("asked %u, placed %u, r %.5f; sum of Gaussians: mean %.4f, deviation %.4f, worst %.4f\n", asked,
+           samples.count, samples.radius_m, samples.unity_mean, samples.unity_deviation, samples.unity_worst);
     CHECK(fabs((double)samples.count / asked - 1) <= 0.02);
     CHECK(least_relative_distance(&samples, samples.count) >= 1);
     CHECK_NEAR(samples.volume_m3, s->volume, 1e-6 * s->volume);
     for (uint32_t i = 0; i < samples.count; i++) {
         const float *p = samples.positions + 3 * i;
         CHECK(p[0] * p[0] + p[1] * p[1] + p[2] * p[2] <= 1.001);
-        CHECK(samples.distances[i] >= 0.5f * (float)samples.radius_m && samples.distances[i] <= 2.0001f * (float)samples.radius_m);
+        CHECK(samples.distances[i] >= 0.5f * (float)samples.radius_m &&
+              samples.distances[i] <= 2.0001f * (float)samples.radius_m);
     }
     /* A prefix of n of N samples could at best be spread (N/n)^(1/3) times wider; its levels shrink by 0.7937
      * and a level is cut off anywhere, so one level's worth is given away. */
@@ -135,7 +140,8 @@ int main(void)
     if (al_device_open(0, 0, ".", true, &device, &error) != AL_OK) return test_skip(error.message);
     static const uint32_t directions[] = {32, 128, 512};
     for (int i = 0; i < 3 && open_scene(&s, device, directions[i]); i++) {
-        al_samples published = place(&s, (al_sample_options){.radius_m = cbrt(s.volume / (2 * 5000)), .seed = 1});
+        al_samples published =
+            place(&s, (al_sample_options){.radius_m = cbrt(s.volume / (2 * 5000)), .seed = 1});
         printf("%u directions, r as published for 5000 samples: %u\n", directions[i], published.count);
         CHECK(published.count > 0);
         al_samples_free(&published);

@@ -1,7 +1,7 @@
-/* The steps against the analytic homogeneous sphere. At distance z from the centre of a sphere of radius R the
- * path to the boundary in a direction with cosine mu to the outward radial axis is
- * -z mu + sqrt(R^2 - z^2 (1 - mu^2)); the expected ZH, moment and divergence were integrated from it by an
- * independent program in double precision. */
+/* The steps against the analytic homogeneous sphere. At distance z from the centre of a sphere of radius R
+ * the path to the boundary in a direction with cosine mu to the outward radial axis is -z mu + sqrt(R^2 - z^2
+ * (1 - mu^2)); the expected ZH, moment and divergence were integrated from it by an independent program in
+ * double precision. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,10 +23,10 @@ enum { ROW_COUNT = sizeof rows / sizeof *rows };
 static const al_program quiet = {.name = "sphere_test", .quiet = true};
 
 typedef struct errors {
-    double psi_rows;  /* worst |mean psi / analytic - 1| over the rows, less one voxel's optical depth */
-    double psi_mean;  /* mean |psi - analytic| over interior voxels */
+    double psi_rows; /* worst |mean psi / analytic - 1| over the rows, less one voxel's optical depth */
+    double psi_mean; /* mean |psi - analytic| over interior voxels */
     double moment, divergence; /* root mean square over the rows, of the values' own scale */
-    double zh;        /* worst |coefficient - analytic| / band 0, rows two voxels or more inside */
+    double zh;                 /* worst |coefficient - analytic| / band 0, rows two voxels or more inside */
 } errors;
 
 static al_density *unit_density(void)
@@ -71,14 +71,18 @@ static void measure_psi(al_sweep *sweep, const al_grid *grid, double sigma_t, er
             cl_float2 fractions[256];
             al_sweep_direction(sweep, pair, w);
             CHECK(al_sweep_run(sweep, pair, 1, sigma_t, &error) == AL_OK);
-            CHECK(al_device_read(sweep->device, sweep->forward, field, sweep->stride * sizeof *field, &error) == AL_OK);
-            CHECK(al_device_read(sweep->device, sweep->fractions, fractions, grid->size[sweep->axis[2]] * sizeof *fractions, &error) == AL_OK);
+            CHECK(al_device_read(sweep->device, sweep->forward, field, sweep->stride * sizeof *field,
+                                 &error) == AL_OK);
+            CHECK(al_device_read(sweep->device, sweep->fractions, fractions,
+                                 grid->size[sweep->axis[2]] * sizeof *fractions, &error) == AL_OK);
             for (size_t i = 0; i < al_grid_count(grid); i++) {
                 if (!grid->inside[i]) continue;
-                uint32_t at[3] = {(uint32_t)(i % grid->size[0]), (uint32_t)(i / grid->size[0] % grid->size[1]),
+                uint32_t at[3] = {(uint32_t)(i % grid->size[0]),
+                                  (uint32_t)(i / grid->size[0] % grid->size[1]),
                                   (uint32_t)(i / grid->size[0] / grid->size[1])};
                 uint32_t u = at[sweep->axis[0]], v = at[sweep->axis[1]], k = at[sweep->axis[2]];
-                size_t next = (size_t)sweep->shape.s[2] * sweep->shape.s[3], here = (v + 1) * next + (size_t)k * sweep->shape.s[3] + u + 8;
+                size_t next = (size_t)sweep->shape.s[2] * sweep->shape.s[3],
+                       here = (v + 1) * next + (size_t)k * sweep->shape.s[3] + u + 8;
                 double fu = fractions[k].s[0], fv = fractions[k].s[1], x[3], dot = 0, square = 0;
                 double absorbed = (1 - fv) * ((1 - fu) * field[here] + fu * field[here - 1]) +
                                   fv * ((1 - fu) * field[here - next] + fu * field[here - next - 1]);
@@ -111,7 +115,8 @@ static void measure_row(al_sweep *sweep, const al_grid *grid, const row *r, floa
     CHECK(al_moment_run(sweep, r->sigma_t, &moment, &progress, &error) == AL_OK);
     al_moment_finish(sweep, &moment);
     CHECK(al_divergence(sweep->device, grid, moment.total, rho, &error) == AL_OK);
-    worst->moment += pow(on_axis(grid, moment.total + 2 * al_grid_count(grid), r->z) - r->moment, 2) / ROW_COUNT;
+    worst->moment +=
+        pow(on_axis(grid, moment.total + 2 * al_grid_count(grid), r->z) - r->moment, 2) / ROW_COUNT;
     worst->divergence += pow(on_axis(grid, rho, r->z) / fabs(r->divergence) - 1, 2) / ROW_COUNT;
     al_moment_free(&moment);
 
@@ -119,9 +124,11 @@ static void measure_row(al_sweep *sweep, const al_grid *grid, const row *r, floa
     CHECK(al_project_run(sweep, r->sigma_t, 5, point, 1, &project, &progress, &error) == AL_OK);
     al_project_finish(&project, sweep->direction_count, 5, 1, coefficients, 25);
     al_project_free(&project);
-    worst->psi_rows = fmax(worst->psi_rows, fabs(coefficients[0] / r->zh[0] - 1) - r->sigma_t * grid->voxel_m);
+    worst->psi_rows =
+        fmax(worst->psi_rows, fabs(coefficients[0] / r->zh[0] - 1) - r->sigma_t * grid->voxel_m);
     if (r->z <= r->radius - 2 * grid->voxel_m)
-        for (int l = 0; l < 5; l++) worst->zh = fmax(worst->zh, fabs(coefficients[l * (l + 1)] - r->zh[l]) / r->zh[0]);
+        for (int l = 0; l < 5; l++)
+            worst->zh = fmax(worst->zh, fabs(coefficients[l * (l + 1)] - r->zh[l]) / r->zh[0]);
 }
 
 static errors measure(al_device *device, const al_density *density, uint32_t resolution)
@@ -129,7 +136,8 @@ static errors measure(al_device *device, const al_density *density, uint32_t res
     enum { DIRECTIONS = 512 };
     al_error error = {0};
     al_triangles mesh = test_sphere(1, 96);
-    al_density_field field = {.density = density, .to_world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+    al_density_field field = {.density = density,
+                              .to_world = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
     al_grid grid;
     al_sweep sweep;
     errors worst = {.psi_rows = -1};
@@ -141,7 +149,8 @@ static errors measure(al_device *device, const al_density *density, uint32_t res
     for (int n = 0; n < ROW_COUNT; n++) measure_row(&sweep, &grid, &rows[n], rho, &worst);
     worst.moment = sqrt(worst.moment);
     worst.divergence = sqrt(worst.divergence);
-    printf("%3u voxels: psi at the rows %.4f, mean error %.6f; rms of moment %.5f, of divergence %.5f; coefficients %.4f\n",
+    printf("%3u voxels: psi at the rows %.4f, mean error %.6f; rms of moment %.5f, of divergence %.5f; "
+           "coefficients %.4f\n",
            resolution, worst.psi_rows, worst.psi_mean, worst.moment, worst.divergence, worst.zh);
     free(rho);
     al_sweep_free(&sweep);
@@ -164,8 +173,8 @@ int main(void)
     CHECK(at[1].psi_rows <= 0.01);
     CHECK(at[1].zh <= 0.01);
     CHECK(at[2].zh <= 0.01);
-    /* First order or better: halving the voxel halves the error. 512 directions leave an error of their own of
-     * about 1e-4 (measured with 2048 directions), far below these. */
+    /* First order or better: halving the voxel halves the error. 512 directions leave an error of their own
+     * of about 1e-4 (measured with 2048 directions), far below these. */
     for (int i = 1; i < 3; i++) {
         CHECK(at[i].psi_mean <= 0.5 * at[i - 1].psi_mean);
         CHECK(at[i].moment <= 0.5 * at[i - 1].moment);
