@@ -29,13 +29,6 @@ number() { # KEY FILE: the first number of that key
 seconds() { # REPORT STEP
     tr -d '\n' <"$1" | sed "s/.*\"name\": \"$2\", *\"seconds\": \([0-9.e-]*\).*/\1/" | awk '{ printf "%.1f", $1 }'
 }
-frames() { # FOLDER OPTIONS...: median milliseconds of a frame and of its light pass
-    to=$1
-    shift
-    "$bin/airlight-play" "$to" --headless --quiet --size 192x192 --frames 7 --no-surface --no-background --no-lod \
-        --stats "$folder/stats.json" "$@"
-    number frame_ms_median "$folder/stats.json"
-}
 
 echo "## Sweep against memory"
 "$bin/airlight-bench-bake"
@@ -53,17 +46,13 @@ for directions in 32 128 512; do
     echo "$row $(($(number peak_memory_bytes "$report") / 1048576)) |"
 done
 
-echo "## Frames, 192x192 (median milliseconds)"
-for lights in 2 4 7 8; do
-    scene $lights 58000 32 >"$folder/scene.json"
-    "$bin/airlight-bake" "$folder/scene.json" -o "$folder/lights" --quiet
-    echo "| $lights lights, 58 000 samples, 25 coefficients | $(frames "$folder/lights") |"
-done
-for samples in 12500 25000 50000; do echo "| $samples samples | $(frames "$folder/lights" --samples $samples) |"; done
+echo "## Frames: lights and samples"
+"$bin/runtime_cost_bench"
 
 echo "## Streaming, a million samples"
 scene 2 1000000 32 >"$folder/scene.json"
 "$bin/airlight-bake" "$folder/scene.json" -o "$folder/million" --quiet
-frames "$folder/million" --first-picture --frames 2 >/dev/null
+"$bin/airlight-play" "$folder/million" --headless --quiet --size 192x192 --first-picture --frames 2 --no-lod \
+    --stats "$folder/stats.json"
 echo "| first picture | $(number first_picture_ms "$folder/stats.json") ms |"
 echo "| last sample | $(number last_sample_ms "$folder/stats.json") ms |"
