@@ -102,19 +102,24 @@ void main()
         if (group.w > ta) break;
         low = group.w;
     }
+    // The first of the group's knots behind the start of the chord.
+    int c = int(dot(vec4(lessThanEqual(group, vec4(ta))), vec4(1.0)));
+    low = c > 0 ? group[c - 1] : low;
     float here = clamp(low, ta, tb), x = shape.z * (here - middle), erf_x = al_erf(x);
     Share part = Share(0.0);
     float moment = 0.0; // sum of shares times where they lie
 #ifdef AL_CHROMATIC
-    Share above = transmittance(j == 0 ? 0.0 : texelFetch(knots, ivec3(place, groups + j - 1), 0).w);
+    Share above = vec4(1.0);
+    if (c > 0) above = transmittance(texelFetch(knots, ivec3(place, groups + j), 0)[c - 1]);
+    else if (j > 0) above = transmittance(texelFetch(knots, ivec3(place, groups + j - 1), 0).w);
 #else
     float step = al_one_minus_exp(end.z) / float(sizes.y - 1);
 #endif
-    for (; j < groups; j++) {
+    for (; j < groups && low < tb; j++) {
 #ifdef AL_CHROMATIC
         vec4 depths = texelFetch(knots, ivec3(place, groups + j), 0);
 #endif
-        for (int c = 0; c < 4; c++) {
+        for (; c < min(4, count - 4 * j) && low < tb; c++) {
             float high = group[c], next = clamp(high, ta, tb), next_x = shape.z * (next - middle);
             float next_erf = al_erf(next_x);
             float mean = overlap(low, high, here, next) * mean_gauss(x, next_x, erf_x, next_erf);
@@ -122,7 +127,7 @@ void main()
             Share below = transmittance(depths[c]), share = (above - below) * mean;
             above = below;
 #else
-            float share = 4 * j + c < count ? mean * step : 0.0;
+            float share = mean * step;
 #endif
             part += share;
             moment += alpha_of(share) * (here + next);
@@ -131,8 +136,8 @@ void main()
             x = next_x;
             erf_x = next_erf;
         }
-        if (low >= tb || j + 1 == groups) break;
-        group = texelFetch(knots, ivec3(place, j + 1), 0);
+        group = texelFetch(knots, ivec3(place, min(j + 1, groups - 1)), 0);
+        c = 0;
     }
     for (; low < tb;) { // a loop, because software rasterisers execute both sides of an if
         float high = end.y, to = tb, next_x = shape.z * (to - middle);

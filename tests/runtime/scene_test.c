@@ -148,6 +148,33 @@ static void test_background(fixture *f)
     end(f);
 }
 
+/* A sphere whose far half is opaque: nothing shines through, the medium ends in its middle, the near half still
+ * scatters, and the shadow below is black. */
+static void test_blockers(fixture *f)
+{
+    static double image[EDGE * EDGE * 3];
+    begin(f, &(sphere_options){.radius = 0.5f, .samples = 500, .blocked = true});
+    sphere_scene_add(&f->s, "sphere.air", 0.5f, (float[3]){0, 0, 0});
+    sphere_scene_add_floor(&f->s, 4, (float[3]){0, -0.6f, 0});
+    sphere_scene_add_light(&f->s, AL_LIGHT_DIRECTIONAL, (float[3]){0, -1, 0}, 1);
+    for (int k = 0; k < 3; k++) f->s.scene.play.background[k] = 2;
+    load(f);
+    al_view view = stage_ortho(EDGE, EDGE, 0.6f);
+    average(f, &view, &plain, 0, 1, image);
+    double all = at(image, EDGE / 2, EDGE / 2);
+    average(f, &view, &(al_settings){.pass = AL_PASS_TRANSLUCENT}, 0, 1, image);
+    CHECK(at(image, EDGE / 2, EDGE / 2) > 0);
+    CHECK_NEAR(all, at(image, EDGE / 2, EDGE / 2), 1e-3 * all);
+    average(f, &view, &(al_settings){.pass = AL_PASS_INTERVALS, .interval_count = 4}, 0, 1, image);
+    /* Of depth 1 the transmittance has fallen by 2/3 of its whole fall at 0.55 of the way from 4.5 m to 5 m. */
+    double third = -log(1 - (1 - exp(-1)) * 2 / 3) / 2;
+    CHECK_NEAR(image[3 * (EDGE / 2 * EDGE + EDGE / 2) + 2], 4.5 + third, 1.0 / 61);
+    view = stage_look(EDGE, EDGE, (float[3]){3, -0.1f, -0.25f}, (float[3]){0, -0.6f, -0.25f}, 0.05f);
+    average(f, &view, &(al_settings){.surface_off = true, .pass = AL_PASS_SURFACE}, 0, 1, image);
+    CHECK(at(image, EDGE / 2, EDGE / 2) == 0);
+    end(f);
+}
+
 /* Even light L from all around, no absorption, optically thin: single scattering sends sigma_s * chord * L, less
  * what is lost on the way, below the optical depth 0.02. The same from the product with a forward lobe. */
 static void test_environment(fixture *f, float g)
@@ -269,6 +296,7 @@ int main(void)
     test_order(&f, false);
     test_order(&f, true);
     test_background(&f);
+    test_blockers(&f);
     test_environment(&f, 0);
     test_environment(&f, 0.6f);
     test_motion(&f);

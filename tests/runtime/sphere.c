@@ -72,6 +72,13 @@ static uint16_t *make_grid(uint32_t n, double radius, double voxel)
     return grid;
 }
 
+static uint8_t *make_blockers(uint32_t n)
+{
+    uint8_t *shares = calloc((size_t)n * n * n, 1);
+    memset(shares, 255, (size_t)n * n * (n / 2)); /* z is slowest */
+    return shares;
+}
+
 static void fill_info(const sphere_options *o, al_translucent_info *info)
 {
     double radius = o->radius > 0 ? o->radius : 1, albedo = o->albedo > 0 ? o->albedo : 0.9;
@@ -100,7 +107,7 @@ static void fill_info(const sphere_options *o, al_translucent_info *info)
 
 /* Positions are those of the additive sequence of the root of x^4 = x + 1 (Roberts 2018) that fall inside: every
  * prefix is well spread. Gaussians of s = 0.55 spacings, cut at 3.5 s, weighted so that they sum to one inside. */
-static void fill_samples(const sphere_options *o, al_translucent_data *data, float *positions, float *gaussians,
+static void fill_samples(al_translucent_data *data, float *positions, float *gaussians,
                          float *coefficients, uint32_t wanted)
 {
     static const double step[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
@@ -126,7 +133,6 @@ static void fill_samples(const sphere_options *o, al_translucent_data *data, flo
     }
     info->sample_count = count;
     info->radius_m = spacing;
-    (void)o;
 }
 
 bool sphere_write_asset(const char *folder, const char *name, const sphere_options *options)
@@ -139,12 +145,15 @@ bool sphere_write_asset(const char *folder, const char *name, const sphere_optio
     size_t set = (size_t)data.info.channel_count * data.info.order * data.info.order;
     float *positions = malloc(wanted * 12 + 12), *gaussians = malloc(wanted * 16 + 16);
     float *coefficients = malloc(wanted * set * 4 + 4);
-    fill_samples(options, &data, positions, gaussians, coefficients, wanted);
+    fill_samples(&data, positions, gaussians, coefficients, wanted);
     uint16_t *grid = make_grid(data.info.grid_size[0], data.info.bounds_max_m[0], data.info.voxel_m);
     data.positions = positions;
     data.gaussians = gaussians;
     data.coefficients = coefficients;
     data.density = grid;
+    uint8_t *blockers = options->blocked ? make_blockers(data.info.grid_size[0]) : NULL;
+    data.blockers = blockers;
+    data.info.has_blockers = options->blocked;
     snprintf(path, sizeof path, "%s/%s", folder, name);
     al_status status = al_translucent_write(path, &data, NULL, &error);
     if (status) fprintf(stderr, "sphere asset: %s\n", error.message);
@@ -152,6 +161,7 @@ bool sphere_write_asset(const char *folder, const char *name, const sphere_optio
     free(gaussians);
     free(coefficients);
     free(grid);
+    free(blockers);
     return !status;
 }
 

@@ -12,6 +12,7 @@ typedef struct sphere_options { /* zero: the value in brackets */
     float radius;               /* m (1) */
     float sigma_t[3];           /* per metre (2, and the first one for the others) */
     bool vacuum;                /* no extinction */
+    bool blocked;               /* opaque matter fills the half z < 0 */
     float albedo;               /* (0.9) */
     float g;
     uint32_t samples;           /* (4000) about as many */

@@ -2,6 +2,7 @@
 
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
+#include <ftw.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -127,12 +128,26 @@ float *stage_draw(al_runtime *runtime, const al_view *view, const al_settings *s
     return pixels;
 }
 
+static char own_folder[256];
+
+static int remove_entry(const char *path, const struct stat *status, int type, struct FTW *place)
+{
+    (void)status, (void)type, (void)place;
+    return remove(path);
+}
+
+static void remove_folder(void)
+{
+    nftw(own_folder, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+}
+
 const char *stage_folder(void)
 {
-    static char path[256];
     const char *folder = getenv("TMPDIR");
-    snprintf(path, sizeof path, "%s/airlight-test-XXXXXX", folder && *folder ? folder : "/tmp");
-    return mkdtemp(path);
+    snprintf(own_folder, sizeof own_folder, "%s/airlight-test-XXXXXX", folder && *folder ? folder : "/tmp");
+    if (!mkdtemp(own_folder)) return NULL;
+    atexit(remove_folder);
+    return own_folder;
 }
 
 uint64_t stage_bad(const float *pixels, uint64_t count)

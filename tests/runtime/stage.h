@@ -22,7 +22,7 @@ bool stage_load(al_runtime *runtime, const char *folder);
  * which is printed. depth: 0, or a depth texture as al_runtime_draw takes it. */
 float *stage_draw(al_runtime *runtime, const al_view *view, const al_settings *settings, uint32_t depth);
 
-/* A new empty folder under the temporary one. */
+/* A new empty folder under the temporary one, removed at exit; once a process. NULL when it cannot be made. */
 const char *stage_folder(void);
 
 /* How many numbers are not finite or negative. */

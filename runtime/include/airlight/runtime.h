@@ -5,8 +5,9 @@
  *   2. al_runtime_load starts a loader thread; it never touches GL.
  *   3. Every frame: al_runtime_update uploads what has arrived, al_runtime_draw draws.
  * GL state: al_runtime_draw changes program, vertex array, framebuffer, viewport, blend, depth, cull,
- * texture, image and buffer bindings and restores none but the framebuffer binding and viewport: hosts set
- * what they need. Passes run in KHR_debug groups named as in al_pass_name.
+ * texture, image and buffer bindings, clip control, depth range, pixel unpacking and sampler bindings, and restores
+ * none but the framebuffer bindings and the viewport (al_runtime_load and _update restore nothing): hosts set
+ * what they need. Passes run in KHR_debug groups named as in al_runtime_times.
  * Thread safety: all calls from the thread whose context is current. */
 #ifndef AIRLIGHT_RUNTIME_H
 #define AIRLIGHT_RUNTIME_H
@@ -27,7 +28,8 @@ typedef struct al_runtime_options {
     const char *shader_folder; /* NULL: the embedded shaders; else *.glsl and stages from this folder */
 } al_runtime_options;
 
-/* AL_NO_DEVICE without OpenGL 4.5. options may be NULL. */
+/* AL_NO_DEVICE without OpenGL 4.5. options may be NULL. Shaders are built when first drawn: an error there names
+ * the file, and a file with the whole log. */
 al_status al_runtime_create(const al_runtime_options *options, al_runtime **runtime, al_error *error);
 void al_runtime_destroy(al_runtime *runtime);
 
@@ -40,7 +42,8 @@ typedef struct al_load_state {
     bool complete;
 } al_load_state;
 
-/* Uploads what has arrived, at most `byte_budget` bytes (0: no limit). A failed asset: its error, once. */
+/* Uploads what has arrived, at most `byte_budget` bytes (0: no limit), but at least one sample or one slice of a
+ * density grid. A failed asset: its error, once. */
 al_status al_runtime_update(al_runtime *runtime, uint64_t byte_budget, al_load_state *state, al_error *error);
 
 /* The loaded scene; lights, instances' world matrices and play settings may be changed between frames.
@@ -86,8 +89,10 @@ typedef struct al_view {
 } al_view;
 
 /* Draws linear radiance before exposure into `framebuffer` (its colour 0, cleared by the call; RGBA16F or
- * RGBA32F) at view.width x view.height. `depth_texture` (0 for none, GL_DEPTH_COMPONENT32F, same size) holds
- * the host's own opaque geometry: it hides and clips ours. */
+ * RGBA32F, not multisampled) at view.width x view.height; numbers beyond what it holds become its largest.
+ * `depth_texture` (0 for none, GL_DEPTH_COMPONENT32F, same size) holds the host's own opaque geometry: it hides and
+ * clips ours. Colour 0 is not cleared then: it is the host's picture, kept where the depth is below 1, seen through
+ * our media, and replaced by our background elsewhere. The projection is perspective or orthographic. */
 al_status al_runtime_draw(al_runtime *runtime, const al_view *view, const al_settings *settings,
                           uint32_t framebuffer, uint32_t depth_texture, al_error *error);
 
@@ -105,7 +110,7 @@ typedef struct al_plan_row {
     const char *step;
     bool needed;
     const char *why;
-    double seconds; /* per frame, estimated */
+    double seconds; /* per frame, as last measured; 0 before the first frame */
     uint64_t bytes;
 } al_plan_row;
 /* What this scene makes the runtime run, and what not, and why. Valid until the next load. */
