@@ -1,7 +1,6 @@
 #include "loader.h"
 
 #include <pthread.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -104,9 +103,12 @@ static void *run(void *user)
 
 static char *join(const char *folder, const char *name)
 {
-    size_t size = strlen(folder) + strlen(name) + 2;
-    char *path = malloc(size);
-    if (path) snprintf(path, size, "%s/%s", folder, name);
+    size_t head = strlen(folder), tail = strlen(name);
+    char *path = malloc(head + tail + 2);
+    if (!path) return NULL;
+    memcpy(path, folder, head);
+    path[head] = '/';
+    memcpy(path + head + 1, name, tail + 1);
     return path;
 }
 
