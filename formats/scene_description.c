@@ -978,7 +978,7 @@ static al_status read_environment(const node *place, al_scene_description *out, 
 al_bake_settings al_bake_settings_for(al_quality quality)
 {
     static const al_bake_settings settings[] = {
-        [AL_QUALITY_PREVIEW] = {32, 32, 5000, 0, 5, AL_COEFFICIENT_HALF, 0},
+        [AL_QUALITY_PREVIEW] = {128, 32, 5000, 0, 5, AL_COEFFICIENT_HALF, 0},
         [AL_QUALITY_MEDIUM] = {128, 64, 20000, 0, 5, AL_COEFFICIENT_HALF, 0},
         [AL_QUALITY_FINAL] = {512, 128, 50000, 0, 8, AL_COEFFICIENT_HALF, 0}};
     return settings[quality];

@@ -54,7 +54,9 @@ for size in 1e-4 1 1e4; do
     done
 done
 scene 1 '"sigma_s_per_m": 1e4, "sigma_a_per_m": 0' "$plain"
-right "tau 1e4" 700 1e-6
+refused "tau 1e4" "mean free path"
+scene 1 '"sigma_s_per_m": 40, "sigma_a_per_m": 0' "$plain"
+right "tau 40" 40 1e-6
 
 # Albedo and phase function do not touch the transmittance.
 for albedo in 0 0.999999 1; do
