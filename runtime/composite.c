@@ -8,7 +8,8 @@ al_status al_object_join(al_draw *draw)
     al_runtime *runtime = draw->runtime;
     al_targets *targets = &runtime->targets;
     GLuint program;
-    al_status status = al_shaders_get(runtime->shaders, "fullscreen.vert object.frag", "", &program, draw->error);
+    al_status status =
+        al_shaders_get(runtime->shaders, "fullscreen.vert object.frag", "", &program, draw->error);
     if (status) return status;
     al_timing_begin(&runtime->timing, AL_STAGE_COMPOSITE);
     glBindFramebuffer(GL_FRAMEBUFFER, targets->radiance_framebuffer);
@@ -35,7 +36,8 @@ al_status al_inspect_draw(al_draw *draw)
 {
     al_runtime *runtime = draw->runtime;
     GLuint program;
-    al_status status = al_shaders_get(runtime->shaders, "fullscreen.vert inspect.frag", "", &program, draw->error);
+    al_status status =
+        al_shaders_get(runtime->shaders, "fullscreen.vert inspect.frag", "", &program, draw->error);
     if (status) return status;
     glBindFramebuffer(GL_FRAMEBUFFER, runtime->targets.radiance_framebuffer);
     glViewport(0, 0, draw->tile[2], draw->tile[3]);
@@ -52,7 +54,8 @@ static float framebuffer_limit(GLuint framebuffer)
 {
     GLint bits = 32;
     GLenum attachment = framebuffer ? GL_COLOR_ATTACHMENT0 : GL_BACK_LEFT;
-    glGetNamedFramebufferAttachmentParameteriv(framebuffer, attachment, GL_FRAMEBUFFER_ATTACHMENT_RED_SIZE, &bits);
+    glGetNamedFramebufferAttachmentParameteriv(framebuffer, attachment, GL_FRAMEBUFFER_ATTACHMENT_RED_SIZE,
+                                               &bits);
     return bits == 16 ? 65504.0f : FLT_MAX;
 }
 
@@ -60,7 +63,8 @@ al_status al_output_draw(al_draw *draw)
 {
     al_runtime *runtime = draw->runtime;
     GLuint program;
-    al_status status = al_shaders_get(runtime->shaders, "fullscreen.vert output.frag", "", &program, draw->error);
+    al_status status =
+        al_shaders_get(runtime->shaders, "fullscreen.vert output.frag", "", &program, draw->error);
     if (status) return status;
     al_timing_begin(&runtime->timing, AL_STAGE_COMPOSITE);
     glBindFramebuffer(GL_FRAMEBUFFER, draw->framebuffer);

@@ -26,8 +26,8 @@ al_status al_environment_upload(al_runtime *runtime, al_error *error)
                                             environment->height, 1, levels, &runtime->environment, error);
     if (status) return status;
     GLuint id = runtime->environment.id;
-    glTextureSubImage2D(id, 0, 0, 0, (GLsizei)environment->width, (GLsizei)environment->height, GL_RGB, GL_FLOAT,
-                        environment->pixels);
+    glTextureSubImage2D(id, 0, 0, 0, (GLsizei)environment->width, (GLsizei)environment->height, GL_RGB,
+                        GL_FLOAT, environment->pixels);
     glGenerateTextureMipmap(id);
     glTextureParameteri(id, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
     glTextureParameteri(id, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
@@ -63,7 +63,8 @@ static double phase_series(double g, double cosine)
     return sum / (4 * AL_PI);
 }
 
-/* Gauss-Legendre nodes and weights on [-1, 1] by Newton's method on the Legendre polynomial of degree NODES. */
+/* Gauss-Legendre nodes and weights on [-1, 1] by Newton's method on the Legendre polynomial of degree NODES.
+ */
 static void gauss_legendre(double nodes[NODES], double weights[NODES])
 {
     for (int i = 0; i < NODES; i++) {
@@ -84,26 +85,28 @@ static void gauss_legendre(double nodes[NODES], double weights[NODES])
 }
 
 /* Adds what the world direction w contributes to the coefficients in object space. */
-static void add_direction(const al_environment *environment, double g, const double view[3], const float rotation[9],
-                          const double w[3], double weight, double sums[COEFFICIENTS][3])
+static void add_direction(const al_environment *environment, double g, const double view[3],
+                          const float rotation[9], const double w[3], double weight,
+                          double sums[COEFFICIENTS][3])
 {
     double object[3], basis[AL_SH_MAX_COUNT], radiance[3] = {0};
     al_sh_basis(AL_ENVIRONMENT_ORDER, w[0], w[1], w[2], basis);
     for (int c = 0; c < 3; c++)
         for (int i = 0; i < COEFFICIENTS; i++) radiance[c] += environment->sh[c][i] * basis[i];
     weight *= phase_series(g, -(w[0] * view[0] + w[1] * view[1] + w[2] * view[2]));
-    for (int k = 0; k < 3; k++) object[k] = rotation[k] * w[0] + rotation[3 + k] * w[1] + rotation[6 + k] * w[2];
+    for (int k = 0; k < 3; k++)
+        object[k] = rotation[k] * w[0] + rotation[3 + k] * w[1] + rotation[6 + k] * w[2];
     al_sh_basis(AL_ENVIRONMENT_ORDER, object[0], object[1], object[2], basis);
     for (int i = 0; i < COEFFICIENTS; i++)
         for (int c = 0; c < 3; c++) sums[i][c] += weight * radiance[c] * basis[i];
 }
 
-/* Coefficients in object space of environment radiance times the phase function about the direction `view` (world,
- * from the object to the eye); light from w travels along -w. The integrand holds bands up to 4 (ORDER - 1) = 28,
- * which NODES = 15 Gauss-Legendre heights of 2 NODES azimuths each integrate exactly. rotation[], row-major, takes
- * object to world. */
-static void project(const al_environment *environment, double g, const double view[3], const float rotation[9],
-                    float out[][4])
+/* Coefficients in object space of environment radiance times the phase function about the direction `view`
+ * (world, from the object to the eye); light from w travels along -w. The integrand holds bands up to 4
+ * (ORDER - 1) = 28, which NODES = 15 Gauss-Legendre heights of 2 NODES azimuths each integrate exactly.
+ * rotation[], row-major, takes object to world. */
+static void project(const al_environment *environment, double g, const double view[3],
+                    const float rotation[9], float out[][4])
 {
     double nodes[NODES], weights[NODES], sums[COEFFICIENTS][3] = {{0}};
     gauss_legendre(nodes, weights);
@@ -128,7 +131,8 @@ void al_environment_for_object(const al_draw *draw, al_object *object)
     for (int k = 0; k < 3; k++) {
         double middle = world[12 + k];
         for (int j = 0; j < 3; j++)
-            middle += world[4 * j + k] * 0.5 * ((double)object->info.bounds_min_m[j] + object->info.bounds_max_m[j]);
+            middle += world[4 * j + k] * 0.5 *
+                      ((double)object->info.bounds_min_m[j] + object->info.bounds_max_m[j]);
         view[k] = draw->eye[3] > 0 ? draw->eye[k] - middle : draw->eye[k];
         length += view[k] * view[k];
     }

@@ -14,7 +14,8 @@ static bool in_range(double value, double low, double high)
 static al_status check(const al_view *view, const al_settings *settings, al_error *error)
 {
     if (!view->width || !view->height || view->width > 32768 || view->height > 32768)
-        return al_fail(error, AL_USAGE, "view: %u x %u pixels; use 1 to 32768 each", view->width, view->height);
+        return al_fail(error, AL_USAGE, "view: %u x %u pixels; use 1 to 32768 each", view->width,
+                       view->height);
     for (int i = 0; i < 16; i++)
         if (!isfinite(view->view[i]) || !isfinite(view->projection[i]))
             return al_fail(error, AL_USAGE, "view: a matrix holds a number that is not finite");
@@ -25,17 +26,18 @@ static al_status check(const al_view *view, const al_settings *settings, al_erro
         return al_fail(error, AL_USAGE, "settings: march step of %g voxels; use 0.01 to 100, or 0 for 0.5",
                        (double)settings->march_voxels);
     if (settings->sh_order > 8)
-        return al_fail(error, AL_USAGE, "settings: SH order %u; use 1 to 8, or 0 for the baked one", settings->sh_order);
+        return al_fail(error, AL_USAGE, "settings: SH order %u; use 1 to 8, or 0 for the baked one",
+                       settings->sh_order);
     if ((unsigned)settings->pass >= AL_PASS_COUNT || (unsigned)settings->view_leg > AL_VIEW_LEG_SH)
         return al_fail(error, AL_USAGE, "settings: no such pass or view leg");
     return AL_OK;
 }
 
 /* The view's rays. With M the inverse of view-projection, the pixel's points on the near and far plane are
- * M (x, y, -1, 1) and M (x, y, 1, 1), n and f; the ray's direction is f/f.w - n/n.w, or f n.w - n f.w, which holds
- * for a far plane at infinity too (f.w = 0). All rays of a perspective view meet in M (0, 0, 1, 0), whose w is
- * 0 for an orthographic one: there rays start on the near plane. Both n and the direction are linear in x and y,
- * n.w and f.w being the same for all pixels of such views. */
+ * M (x, y, -1, 1) and M (x, y, 1, 1), n and f; the ray's direction is f/f.w - n/n.w, or f n.w - n f.w, which
+ * holds for a far plane at infinity too (f.w = 0). All rays of a perspective view meet in M (0, 0, 1, 0),
+ * whose w is 0 for an orthographic one: there rays start on the near plane. Both n and the direction are
+ * linear in x and y, n.w and f.w being the same for all pixels of such views. */
 static al_status fill_view(al_draw *draw)
 {
     const al_view *view = draw->view;
@@ -121,7 +123,8 @@ static al_status draw_tile(al_draw *draw)
         glDisable(GL_SCISSOR_TEST);
         glClearNamedFramebufferfv(runtime->targets.radiance_framebuffer, GL_COLOR, 0, black);
     }
-    if (draw->settings.pass == AL_PASS_NORMAL || draw->settings.pass == AL_PASS_DEPTH) status = al_inspect_draw(draw);
+    if (draw->settings.pass == AL_PASS_NORMAL || draw->settings.pass == AL_PASS_DEPTH)
+        status = al_inspect_draw(draw);
     for (uint32_t i = 0; i < runtime->scene.translucent_count && !status; i++)
         if (runtime->sorted[i] != AL_NO_INDEX) status = draw_object(draw, runtime->sorted[i]);
     return status ? status : al_output_draw(draw);
@@ -131,7 +134,8 @@ static al_status draw_tile(al_draw *draw)
 static al_status draw_tiles(al_draw *draw)
 {
     int32_t width = (int32_t)draw->view->width, height = (int32_t)draw->view->height;
-    int32_t columns = (width + AL_TILE_WIDTH - 1) / AL_TILE_WIDTH, rows = (height + AL_TILE_HEIGHT - 1) / AL_TILE_HEIGHT;
+    int32_t columns = (width + AL_TILE_WIDTH - 1) / AL_TILE_WIDTH,
+            rows = (height + AL_TILE_HEIGHT - 1) / AL_TILE_HEIGHT;
     int32_t tile_width = (width + columns - 1) / columns, tile_height = (height + rows - 1) / rows;
     al_status status = AL_OK;
     for (int32_t y = 0; y < height && !status; y += tile_height)
@@ -169,7 +173,10 @@ al_status al_runtime_draw(al_runtime *runtime, const al_view *view, const al_set
                           uint32_t framebuffer, uint32_t depth_texture, al_error *error)
 {
     static const float black[4] = {0, 0, 0, 1};
-    al_draw draw = {.runtime = runtime, .view = view, .framebuffer = framebuffer, .host_depth = depth_texture,
+    al_draw draw = {.runtime = runtime,
+                    .view = view,
+                    .framebuffer = framebuffer,
+                    .host_depth = depth_texture,
                     .error = error};
     GLint drawn_to = 0, read_from = 0, viewport[4];
     if (settings) draw.settings = *settings;

@@ -3,12 +3,17 @@
 static uint32_t texel_size(GLenum format)
 {
     switch (format) {
-    case GL_R8: return 1;
-    case GL_R16: return 2;
-    case GL_RGBA32F: return 16;
+    case GL_R8:
+        return 1;
+    case GL_R16:
+        return 2;
+    case GL_RGBA32F:
+        return 16;
     case GL_RG32F:
-    case GL_RGBA16F: return 8;
-    default: return 4; /* R32F, RG16, RGBA8, SRGB8_ALPHA8, DEPTH_COMPONENT32F */
+    case GL_RGBA16F:
+        return 8;
+    default:
+        return 4; /* R32F, RG16, RGBA8, SRGB8_ALPHA8, DEPTH_COMPONENT32F */
     }
 }
 
@@ -17,8 +22,9 @@ static al_status allocation_status(const char *what, uint64_t bytes, al_error *e
 {
     GLenum code = glGetError();
     if (code == GL_NO_ERROR) return AL_OK;
-    return al_fail(error, AL_IO, "OpenGL: no memory for %s of %llu bytes (error 0x%04x); use a smaller view or asset",
-                   what, (unsigned long long)bytes, code);
+    return al_fail(error, AL_IO,
+                   "OpenGL: no memory for %s of %llu bytes (error 0x%04x); use a smaller view or asset", what,
+                   (unsigned long long)bytes, code);
 }
 
 static void drop_errors(void)
@@ -32,7 +38,8 @@ al_status al_gl_buffer_create(al_gl_memory *memory, uint64_t size, const void *d
 {
     *buffer = (al_gl_buffer){0};
     if (!size) return AL_OK;
-    if (size > INT64_MAX) return al_fail(error, AL_IO, "OpenGL: a buffer of %llu bytes is too large", (unsigned long long)size);
+    if (size > INT64_MAX)
+        return al_fail(error, AL_IO, "OpenGL: a buffer of %llu bytes is too large", (unsigned long long)size);
     drop_errors();
     glCreateBuffers(1, &buffer->id);
     glNamedBufferStorage(buffer->id, (GLsizeiptr)size, data, GL_DYNAMIC_STORAGE_BIT);

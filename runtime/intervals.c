@@ -6,8 +6,9 @@ al_status al_intervals_run(al_draw *draw, al_object *object, const int32_t area[
     al_runtime *runtime = draw->runtime;
     al_targets *targets = &runtime->targets;
     GLuint program;
-    al_status status = al_shaders_get(runtime->shaders, "intervals.comp", object->chromatic ? "#define AL_CHROMATIC\n" : "",
-                                      &program, draw->error);
+    al_status status =
+        al_shaders_get(runtime->shaders, "intervals.comp", object->chromatic ? "#define AL_CHROMATIC\n" : "",
+                       &program, draw->error);
     if (status) return status;
     al_timing_begin(&runtime->timing, AL_STAGE_INTERVALS);
     glUseProgram(program);

@@ -8,10 +8,11 @@ enum { GROUP = 64, PART_GRAIN = 1024 };
 static al_status get_program(al_draw *draw, const al_object *object, GLuint *program)
 {
     char defines[256];
-    snprintf(defines, sizeof defines,
-             "#define AL_ORDER %u\n#define AL_BAKED_ORDER %u\n#define AL_CHANNELS %u\n#define AL_FORMAT %u\n%s",
-             object->order, object->info.order, object->info.channel_count, object->info.format,
-             draw->settings.view_leg == AL_VIEW_LEG_SH ? "#define AL_VIEW_SH\n" : "");
+    snprintf(
+        defines, sizeof defines,
+        "#define AL_ORDER %u\n#define AL_BAKED_ORDER %u\n#define AL_CHANNELS %u\n#define AL_FORMAT %u\n%s",
+        object->order, object->info.order, object->info.channel_count, object->info.format,
+        draw->settings.view_leg == AL_VIEW_LEG_SH ? "#define AL_VIEW_SH\n" : "");
     return al_shaders_get(draw->runtime->shaders, "light.comp", defines, program, draw->error);
 }
 

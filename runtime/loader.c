@@ -58,7 +58,8 @@ static void open_asset(asset *a, al_arrival *arrival)
     al_status status = al_file_open(a->path, &options, &a->file, &arrival->error);
     if (!status) status = al_translucent_read(a->file, &a->info, &arrival->error);
     if (!status)
-        status = al_translucent_read_grid(a->file, &a->info, &arrival->density, &arrival->blockers, &arrival->error);
+        status = al_translucent_read_grid(a->file, &a->info, &arrival->density, &arrival->blockers,
+                                          &arrival->error);
     arrival->info = a->info;
     arrival->kind = status ? AL_ARRIVAL_FAILURE : AL_ARRIVAL_OBJECT;
     a->page_count = status ? 0 : al_translucent_page_count(&a->info);
@@ -67,7 +68,8 @@ static void open_asset(asset *a, al_arrival *arrival)
 
 static void read_page(asset *a, al_arrival *arrival)
 {
-    al_status status = al_translucent_read_page(a->file, &a->info, a->next_page++, &arrival->page, &arrival->error);
+    al_status status =
+        al_translucent_read_page(a->file, &a->info, a->next_page++, &arrival->page, &arrival->error);
     arrival->kind = status ? AL_ARRIVAL_FAILURE : AL_ARRIVAL_PAGE;
     a->open = !status && a->next_page < a->page_count;
 }

@@ -11,7 +11,7 @@
 typedef struct al_loader al_loader;
 
 typedef enum al_arrival_kind {
-    AL_ARRIVAL_OBJECT,  /* info and density grid */
+    AL_ARRIVAL_OBJECT, /* info and density grid */
     AL_ARRIVAL_PAGE,
     AL_ARRIVAL_FAILURE, /* of this object: nothing more of it comes */
     AL_ARRIVAL_END      /* all there is has arrived */

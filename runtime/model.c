@@ -14,7 +14,8 @@ static al_status upload_mesh(al_runtime *runtime, const al_mesh *mesh, al_model_
     al_status status = AL_OK;
     if (!mesh->vertex_count || !mesh->index_count) return AL_OK;
     vertices = malloc(size);
-    if (!vertices) return al_fail(error, AL_IO, "%s: no memory for %u vertices", mesh->name, mesh->vertex_count);
+    if (!vertices)
+        return al_fail(error, AL_IO, "%s: no memory for %u vertices", mesh->name, mesh->vertex_count);
     for (int k = 0; k < 3; k++) out->low[k] = INFINITY, out->high[k] = -INFINITY;
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
         float *v = vertices + (size_t)i * VERTEX_FLOATS;
@@ -29,8 +30,8 @@ static al_status upload_mesh(al_runtime *runtime, const al_mesh *mesh, al_model_
     }
     status = al_gl_buffer_create(&runtime->memory, size, vertices, &out->vertices, error);
     if (!status)
-        status = al_gl_buffer_create(&runtime->memory, (uint64_t)mesh->index_count * sizeof(uint32_t), mesh->indices,
-                                     &out->indices, error);
+        status = al_gl_buffer_create(&runtime->memory, (uint64_t)mesh->index_count * sizeof(uint32_t),
+                                     mesh->indices, &out->indices, error);
     if (status) goto cleanup;
     glCreateVertexArrays(1, &out->vertex_array);
     glVertexArrayVertexBuffer(out->vertex_array, 0, out->vertices.id, 0, VERTEX_FLOATS * sizeof(float));
@@ -46,14 +47,15 @@ cleanup:
     return status;
 }
 
-static al_status upload_texture(al_runtime *runtime, const al_texture *texture, al_gl_texture *out, al_error *error)
+static al_status upload_texture(al_runtime *runtime, const al_texture *texture, al_gl_texture *out,
+                                al_error *error)
 {
     uint32_t levels = 1, edge = texture->width > texture->height ? texture->width : texture->height;
     if (!texture->width || !texture->height) return AL_OK;
     while (edge >> levels) levels++;
-    al_status status = al_gl_texture_create(&runtime->memory, GL_TEXTURE_2D,
-                                            texture->srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, texture->width,
-                                            texture->height, 1, levels, out, error);
+    al_status status =
+        al_gl_texture_create(&runtime->memory, GL_TEXTURE_2D, texture->srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8,
+                             texture->width, texture->height, 1, levels, out, error);
     if (status) return status;
     glTextureSubImage2D(out->id, 0, 0, 0, (GLsizei)texture->width, (GLsizei)texture->height, GL_RGBA,
                         GL_UNSIGNED_BYTE, texture->pixels);
@@ -72,16 +74,19 @@ al_status al_model_create(al_runtime *runtime, al_error *error)
     al_status status = AL_OK;
     model->meshes = calloc(scene->mesh_count + 1, sizeof *model->meshes);
     model->textures = calloc(scene->texture_count + 1, sizeof *model->textures);
-    if (!model->meshes || !model->textures) return al_fail(error, AL_IO, "scene.air: no memory for its meshes");
+    if (!model->meshes || !model->textures)
+        return al_fail(error, AL_IO, "scene.air: no memory for its meshes");
     model->mesh_count = scene->mesh_count;
     model->texture_count = scene->texture_count;
     for (uint32_t i = 0; i < scene->mesh_count && !status; i++)
         status = upload_mesh(runtime, &scene->meshes[i], &model->meshes[i], error);
     for (uint32_t i = 0; i < scene->texture_count && !status; i++)
         status = upload_texture(runtime, &scene->textures[i], &model->textures[i], error);
-    model->has_opaque = false;
-    for (uint32_t i = 0; i < scene->instance_count; i++)
+    model->has_opaque = model->has_blockers = false;
+    for (uint32_t i = 0; i < scene->instance_count; i++) {
         if (scene->instances[i].role == AL_ROLE_OPAQUE) model->has_opaque = true;
+        if (scene->instances[i].role == AL_ROLE_BLOCKER) model->has_blockers = true;
+    }
     return status;
 }
 
@@ -93,7 +98,8 @@ void al_model_free(al_runtime *runtime)
         al_gl_buffer_free(&runtime->memory, &model->meshes[i].vertices);
         al_gl_buffer_free(&runtime->memory, &model->meshes[i].indices);
     }
-    for (uint32_t i = 0; i < model->texture_count; i++) al_gl_texture_free(&runtime->memory, &model->textures[i]);
+    for (uint32_t i = 0; i < model->texture_count; i++)
+        al_gl_texture_free(&runtime->memory, &model->textures[i]);
     free(model->meshes);
     free(model->textures);
     memset(model, 0, sizeof *model);

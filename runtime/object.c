@@ -6,7 +6,10 @@
 #include "matrix.h"
 #include "state.h"
 
-enum { FEWEST = 256 }; /* samples of an object, if it has so many */
+enum {
+    FEWEST = 256, /* samples of an object, if it has so many */
+    LIT_SIZE = 32 /* bytes a sample: its light and the light's slope */
+};
 
 uint64_t al_object_coefficient_size(const al_translucent_info *info)
 {
@@ -24,21 +27,29 @@ static float largest_sigma_t(const al_translucent_info *info)
     return fmaxf(sigma_t(info, 0), fmaxf(sigma_t(info, 1), sigma_t(info, 2)));
 }
 
-static al_status create(al_runtime *runtime, al_object *object, const al_translucent_info *info, al_error *error)
+static al_status create(al_runtime *runtime, al_object *object, const al_translucent_info *info,
+                        al_error *error)
 {
     uint64_t count = info->sample_count;
     al_gl_memory *memory = &runtime->memory;
+    GLint64 largest = 0;
+    glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &largest);
+    if (count * LIT_SIZE > (uint64_t)largest)
+        return al_fail(error, AL_BAD_INPUT, "%s: %u samples; this OpenGL's storage blocks hold at most %lld",
+                       runtime->scene.translucents[object - runtime->objects].asset, info->sample_count,
+                       (long long)(largest / LIT_SIZE));
     object->info = *info;
     /* Shaders read whole words, so the last coefficients are padded to one. */
     al_status status = al_gl_buffer_create(memory, count * 12, NULL, &object->positions, error);
     if (!status) status = al_gl_buffer_create(memory, count * 16, NULL, &object->gaussians, error);
     if (!status)
-        status = al_gl_buffer_create(memory, (count * al_object_coefficient_size(info) + 3) / 4 * 4, NULL, &object->coefficients,
-                                     error);
+        status = al_gl_buffer_create(memory, (count * al_object_coefficient_size(info) + 3) / 4 * 4, NULL,
+                                     &object->coefficients, error);
     if (!status && info->format == AL_COEFFICIENT_BYTE)
         status = al_gl_buffer_create(memory, count * info->channel_count * 4, NULL, &object->scales, error);
-    if (!status) status = al_gl_buffer_create(memory, count * 32, NULL, &object->lit, error);
-    if (!status) status = al_gl_buffer_create(memory, sizeof(al_object_block), NULL, &object->constants, error);
+    if (!status) status = al_gl_buffer_create(memory, count * LIT_SIZE, NULL, &object->lit, error);
+    if (!status)
+        status = al_gl_buffer_create(memory, sizeof(al_object_block), NULL, &object->constants, error);
     if (!status)
         status = al_gl_texture_create(memory, GL_TEXTURE_3D, info->has_blockers ? GL_RG16 : GL_R16,
                                       info->grid_size[0], info->grid_size[1], info->grid_size[2], 1,
@@ -93,8 +104,8 @@ static uint64_t share(uint64_t *budget, uint64_t size, uint64_t left)
     return count;
 }
 
-static al_status accept_object(al_runtime *runtime, al_object *object, const al_arrival *arrival, uint64_t *budget,
-                               bool *done, al_error *error)
+static al_status accept_object(al_runtime *runtime, al_object *object, const al_arrival *arrival,
+                               uint64_t *budget, bool *done, al_error *error)
 {
     const uint32_t *size = arrival->info.grid_size;
     al_status status = object->density.id ? AL_OK : create(runtime, object, &arrival->info, error);
@@ -110,10 +121,12 @@ static al_status accept_object(al_runtime *runtime, al_object *object, const al_
     return status;
 }
 
-static void accept_page(al_runtime *runtime, al_object *object, const al_arrival *arrival, uint64_t *budget, bool *done)
+static void accept_page(al_runtime *runtime, al_object *object, const al_arrival *arrival, uint64_t *budget,
+                        bool *done)
 {
     const al_translucent_page *page = &arrival->page;
-    uint64_t size = al_object_coefficient_size(&object->info), scales = object->scales.id ? 4 * object->info.channel_count : 0;
+    uint64_t size = al_object_coefficient_size(&object->info),
+             scales = object->scales.id ? 4 * object->info.channel_count : 0;
     uint64_t at = runtime->arrived, first = page->first + at;
     *done = !object->present || at >= page->count;
     if (*done) return;
@@ -138,9 +151,14 @@ al_status al_object_accept(al_runtime *runtime, const al_arrival *arrival, uint6
     al_object *object = &runtime->objects[arrival->object];
     *done = true;
     switch (arrival->kind) {
-    case AL_ARRIVAL_OBJECT: return accept_object(runtime, object, arrival, budget, done, error);
-    case AL_ARRIVAL_PAGE: accept_page(runtime, object, arrival, budget, done); return AL_OK;
-    case AL_ARRIVAL_END: runtime->ended = true; return AL_OK;
+    case AL_ARRIVAL_OBJECT:
+        return accept_object(runtime, object, arrival, budget, done, error);
+    case AL_ARRIVAL_PAGE:
+        accept_page(runtime, object, arrival, budget, done);
+        return AL_OK;
+    case AL_ARRIVAL_END:
+        runtime->ended = true;
+        return AL_OK;
     case AL_ARRIVAL_FAILURE:
         object->failed = true;
         return al_fail(error, arrival->error.status, "%s", arrival->error.message);
@@ -174,10 +192,10 @@ static double pixels_per_metre(const al_draw *draw, const double middle[4], doub
     return 0.5 * draw->view->height * fabs(draw->view->projection[5]) / clip[3];
 }
 
-/* Level of detail by distance. Where the mean spacing of all samples, cbrt(volume / count), falls below half a
- * pixel, only as many are drawn as keep it there, but no fewer than FEWEST, for the light inside varies with the
- * mean free path and not with pixels; an object of few pixels loses bands too: of D pixels
- * across three and one more per 16. Returns the share of the samples. */
+/* Level of detail by distance. Where the mean spacing of all samples, cbrt(volume / count), falls below half
+ * a pixel, only as many are drawn as keep it there, but no fewer than FEWEST, for the light inside varies
+ * with the mean free path and not with pixels; an object of few pixels loses bands too: of D pixels across
+ * three and one more per 16. Returns the share of the samples. */
 static double detail(const al_draw *draw, const al_object *object, const double middle[4], uint32_t *order)
 {
     const al_translucent_info *info = &object->info;
@@ -194,16 +212,17 @@ static double detail(const al_draw *draw, const al_object *object, const double 
     return fmin(1, fmax(8 * info->volume_m3 * scale * scale * scale, FEWEST) / info->sample_count);
 }
 
-/* How many samples are drawn, how many bands, and how much wider the Gaussians of a prefix are: a share f of the
- * samples, well spread, stands f^(-1/3) times farther apart, so radii grow by that and a = 1/(2 s^2) shrinks by
- * f^(2/3); the sum of the Gaussians stays about one, and normalisation does the rest. */
+/* How many samples are drawn, how many bands, and how much wider the Gaussians of a prefix are: a share f of
+ * the samples, well spread, stands f^(-1/3) times farther apart, so radii grow by that and a = 1/(2 s^2)
+ * shrinks by f^(2/3); the sum of the Gaussians stays about one, and normalisation does the rest. */
 static void choose_detail(const al_draw *draw, al_object *object, const double middle[4])
 {
     const al_settings *settings = &draw->settings;
     object->order = object->info.order;
     object->drawn = object->loaded;
     if (settings->sh_order && settings->sh_order < object->order) object->order = settings->sh_order;
-    if (settings->sample_limit && settings->sample_limit < object->drawn) object->drawn = settings->sample_limit;
+    if (settings->sample_limit && settings->sample_limit < object->drawn)
+        object->drawn = settings->sample_limit;
     if (!settings->detail_off && object->info.sample_count) {
         double count = ceil(detail(draw, object, middle, &object->order) * object->info.sample_count);
         if (count < object->drawn) object->drawn = (uint32_t)count;
@@ -345,7 +364,8 @@ void al_objects_prepare(al_draw *draw)
         prepare(draw, object, &runtime->scene.translucents[i]);
         runtime->samples_drawn += object->drawn;
         uint32_t place = count++; /* insertion: far before near, ties by index */
-        for (; place > 0 && runtime->objects[runtime->sorted[place - 1]].distance_m < object->distance_m; place--)
+        for (; place > 0 && runtime->objects[runtime->sorted[place - 1]].distance_m < object->distance_m;
+             place--)
             runtime->sorted[place] = runtime->sorted[place - 1];
         runtime->sorted[place] = i;
     }

@@ -14,13 +14,14 @@ static uint64_t object_bytes(const al_runtime *runtime, bool grid)
     for (uint32_t i = 0; i < runtime->scene.translucent_count; i++) {
         const al_object *o = &runtime->objects[i];
         bytes += grid ? o->density.bytes
-                      : o->positions.size + o->gaussians.size + o->coefficients.size + o->scales.size + o->lit.size;
+                      : o->positions.size + o->gaussians.size + o->coefficients.size + o->scales.size +
+                            o->lit.size;
     }
     return bytes;
 }
 
-static void add(al_runtime *runtime, uint32_t *count, const char *step, bool needed, const char *why, double ms,
-                uint64_t bytes)
+static void add(al_runtime *runtime, uint32_t *count, const char *step, bool needed, const char *why,
+                double ms, uint64_t bytes)
 {
     runtime->plan[(*count)++] = (al_plan_row){step, needed, why, needed ? ms * 1e-3 : 0, needed ? bytes : 0};
 }
@@ -29,24 +30,30 @@ const al_plan_row *al_runtime_plan(al_runtime *runtime, uint32_t *count)
 {
     const al_scene *scene = &runtime->scene;
     const double *ms = runtime->timing.ms;
-    bool objects = scene->translucent_count > 0, opaque = runtime->model.has_opaque, lights = scene->light_count > 0;
+    bool objects = scene->translucent_count > 0, opaque = runtime->model.has_opaque,
+         lights = scene->light_count > 0;
     bool environment = al_environment_exists(&scene->environment);
     *count = 0;
     if (!runtime->loaded) return runtime->plan;
     add(runtime, count, "shadow", opaque && lights,
-        !opaque ? "no opaque object casts a shadow" : lights ? "opaque objects and lights" : "no light",
+        !opaque  ? "no opaque object casts a shadow"
+        : lights ? "opaque objects and lights"
+                 : "no light",
         ms[AL_STAGE_SHADOW], runtime->shadow.depth.bytes);
-    add(runtime, count, "light", objects, objects ? "samples of translucent objects" : "no translucent object",
-        ms[AL_STAGE_LIGHT], object_bytes(runtime, false));
+    add(runtime, count, "light", objects,
+        objects ? "samples of translucent objects" : "no translucent object", ms[AL_STAGE_LIGHT],
+        object_bytes(runtime, false));
     add(runtime, count, "surface", true, opaque ? "opaque objects" : "background and boundaries",
         ms[AL_STAGE_SURFACE], target_bytes(runtime, false));
     add(runtime, count, "environment", environment,
         environment ? "environment light" : "no environment light", 0, runtime->environment.bytes);
     add(runtime, count, "intervals", objects,
         objects ? "transmittance of translucent objects to the eye" : "no translucent object",
-        ms[AL_STAGE_INTERVALS], object_bytes(runtime, true) + runtime->targets.knots.bytes + runtime->targets.ends.bytes);
-    add(runtime, count, "splat", objects, objects ? "samples of translucent objects" : "no translucent object",
-        ms[AL_STAGE_SPLAT], target_bytes(runtime, true));
+        ms[AL_STAGE_INTERVALS],
+        object_bytes(runtime, true) + runtime->targets.knots.bytes + runtime->targets.ends.bytes);
+    add(runtime, count, "splat", objects,
+        objects ? "samples of translucent objects" : "no translucent object", ms[AL_STAGE_SPLAT],
+        target_bytes(runtime, true));
     add(runtime, count, "composite", true, "every frame", ms[AL_STAGE_COMPOSITE], 0);
     return runtime->plan;
 }

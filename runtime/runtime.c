@@ -18,8 +18,8 @@ al_status al_runtime_create(const al_runtime_options *options, al_runtime **runt
     *runtime = NULL;
     int version = epoxy_gl_version();
     if (!epoxy_is_desktop_gl() || version < 45)
-        return al_fail(error, AL_NO_DEVICE, "OpenGL %d.%d: the runtime needs a core context of 4.5", version / 10,
-                       version % 10);
+        return al_fail(error, AL_NO_DEVICE, "OpenGL %d.%d: the runtime needs a core context of 4.5",
+                       version / 10, version % 10);
     al_runtime *made = calloc(1, sizeof *made);
     if (!made) return al_fail(error, AL_IO, "no memory for the runtime");
     al_status status = al_shaders_create(options ? options->shader_folder : NULL, &made->shaders, error);
@@ -72,17 +72,19 @@ void al_runtime_destroy(al_runtime *runtime)
 static al_status check_scene(const char *path, const al_scene *scene, al_error *error)
 {
     if (scene->light_count > AL_LIGHT_LIMIT)
-        return al_fail(error, AL_BAD_INPUT, "%s: %u lights; the runtime draws at most %d", path, scene->light_count,
-                       AL_LIGHT_LIMIT);
+        return al_fail(error, AL_BAD_INPUT, "%s: %u lights; the runtime draws at most %d", path,
+                       scene->light_count, AL_LIGHT_LIMIT);
     for (uint32_t i = 0; i < scene->translucent_count; i++) {
         const al_translucent_object *object = &scene->translucents[i];
         if (!al_matrix_is_rigid(scene->instances[object->instance].world, 1e-3))
-            return al_fail(error, AL_BAD_INPUT,
-                           "%s: translucent object \"%s\": its instance is scaled or sheared; only rotation and "
-                           "translation are allowed",
-                           path, object->name);
+            return al_fail(
+                error, AL_BAD_INPUT,
+                "%s: translucent object \"%s\": its instance is scaled or sheared; only rotation and "
+                "translation are allowed",
+                path, object->name);
         if (!object->asset[0])
-            return al_fail(error, AL_BAD_INPUT, "%s: translucent object \"%s\": no asset; bake the scene first", path,
+            return al_fail(error, AL_BAD_INPUT,
+                           "%s: translucent object \"%s\": no asset; bake the scene first", path,
                            object->name);
     }
     return AL_OK;
@@ -93,7 +95,8 @@ static al_status start(al_runtime *runtime, const char *folder, al_error *error)
     uint32_t count = runtime->scene.translucent_count;
     runtime->objects = calloc(count + 1, sizeof *runtime->objects);
     runtime->sorted = calloc(count + 1, sizeof *runtime->sorted);
-    if (!runtime->objects || !runtime->sorted) return al_fail(error, AL_IO, "%s: no memory for its objects", folder);
+    if (!runtime->objects || !runtime->sorted)
+        return al_fail(error, AL_IO, "%s: no memory for its objects", folder);
     for (uint32_t i = 0; i < count; i++) runtime->sorted[i] = AL_NO_INDEX;
     al_gl_reset_state();
     al_status status = al_model_create(runtime, error);
@@ -110,7 +113,8 @@ al_status al_runtime_load(al_runtime *runtime, const char *folder, al_error *err
     al_scene scene = {0};
     al_open_options options = {.kind = AL_KIND_SCENE};
     if (snprintf(path, sizeof path, "%s/scene.air", folder) >= (int)sizeof path)
-        return al_fail(error, AL_USAGE, "%s: the path is longer than %zu characters", folder, sizeof path - 11);
+        return al_fail(error, AL_USAGE, "%s: the path is longer than %zu characters", folder,
+                       sizeof path - 11);
     al_status status = al_file_open(path, &options, &file, error);
     if (status) return status;
     status = al_scene_read(file, &scene, error);

@@ -98,7 +98,8 @@ static al_status load(const al_shaders *shaders, const char *name, char **text, 
         *text = strdup(al_shader_text_texts[i]);
         return *text ? AL_OK : al_fail(error, AL_IO, "%s: no memory", name);
     }
-    return al_fail(error, AL_BAD_INPUT, "%s: no such shader file in the folder or among the embedded ones", name);
+    return al_fail(error, AL_BAD_INPUT, "%s: no such shader file in the folder or among the embedded ones",
+                   name);
 }
 
 static al_status append(expansion *e, const char *text, size_t size)
@@ -130,8 +131,9 @@ static al_status expand_include(expansion *e, const char *line, int number, int 
     char name[NAME_SIZE];
     const char *begin = strchr(line, '"') + 1, *end = strchr(begin, '"');
     if (!end || (size_t)(end - begin) >= sizeof name)
-        return al_fail(e->error, AL_BAD_INPUT, "%s:%d: an include must name a file of fewer than %d characters",
-                       e->files[file], number, NAME_SIZE);
+        return al_fail(e->error, AL_BAD_INPUT,
+                       "%s:%d: an include must name a file of fewer than %d characters", e->files[file],
+                       number, NAME_SIZE);
     memcpy(name, begin, (size_t)(end - begin));
     name[end - begin] = 0;
     char *slash = strrchr(name, '/'); /* shared headers are embedded under their bare name */
@@ -197,7 +199,8 @@ static al_status fail_with_log(const char *name, const char *log, const expansio
     char path[512], first[256];
     write_log(log, e, path, sizeof path);
     snprintf(first, sizeof first, "%.*s", (int)strcspn(log, "\n"), log);
-    return al_fail(error, AL_BAD_INPUT, "%s: the shader does not build: %s; whole log: %s", name, first, path);
+    return al_fail(error, AL_BAD_INPUT, "%s: the shader does not build: %s; whole log: %s", name, first,
+                   path);
 }
 
 static GLenum stage_of(const char *name)

@@ -65,7 +65,8 @@ static void fit_directional(const al_runtime *runtime, al_light_block *light, ui
     memset(light->to_shadow, 0, sizeof light->to_shadow);
     for (int row = 0; row < 3; row++) {
         /* A little more than the casters, so that flat ones have an extent and borders do not clip. */
-        float extent = fmaxf((high[row] - low[row]) * 1.01f, 1e-6f), start = 0.5f * (low[row] + high[row] - extent);
+        float extent = fmaxf((high[row] - low[row]) * 1.01f, 1e-6f),
+              start = 0.5f * (low[row] + high[row] - extent);
         for (int k = 0; k < 3; k++) light->to_shadow[4 * k + row] = axes[row][k] / extent;
         light->to_shadow[12 + row] = -start / extent;
         if (row < 2) light->shadow[2] = fmaxf(light->shadow[2], extent / (float)edge);
@@ -82,7 +83,8 @@ static void fit_point(const al_runtime *runtime, al_light_block *light, uint32_t
         if (!casts(runtime, &runtime->scene.instances[i])) continue;
         al_model_world_box(runtime, &runtime->scene.instances[i], low, high);
         for (int k = 0; k < 3; k++) {
-            double far = fmax(fabs((double)low[k] - light->vector[k]), fabs((double)high[k] - light->vector[k]));
+            double far =
+                fmax(fabs((double)low[k] - light->vector[k]), fabs((double)high[k] - light->vector[k]));
             squared += far * far;
         }
         range = fmax(range, sqrt(squared));
@@ -121,8 +123,8 @@ static al_status fit_maps(al_draw *draw, uint32_t layers, uint32_t edge)
     al_runtime *runtime = draw->runtime;
     al_shadow_maps *maps = &runtime->shadow;
     GLuint before = maps->depth.id;
-    al_status status = al_gl_texture_fit(&runtime->memory, GL_TEXTURE_2D_ARRAY, GL_DEPTH_COMPONENT32F, edge, edge,
-                                         layers, &maps->depth, draw->error);
+    al_status status = al_gl_texture_fit(&runtime->memory, GL_TEXTURE_2D_ARRAY, GL_DEPTH_COMPONENT32F, edge,
+                                         edge, layers, &maps->depth, draw->error);
     if (status || maps->depth.id == before) return status;
     glTextureParameteri(maps->depth.id, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTextureParameteri(maps->depth.id, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
@@ -162,7 +164,8 @@ static void draw_layer(const al_draw *draw, uint32_t light, uint32_t face)
 {
     const al_runtime *runtime = draw->runtime;
     GLint layer = (GLint)draw->block.lights[light].shadow[0] + (GLint)face;
-    glNamedFramebufferTextureLayer(runtime->shadow.framebuffer, GL_DEPTH_ATTACHMENT, runtime->shadow.depth.id, 0, layer);
+    glNamedFramebufferTextureLayer(runtime->shadow.framebuffer, GL_DEPTH_ATTACHMENT, runtime->shadow.depth.id,
+                                   0, layer);
     glClear(GL_DEPTH_BUFFER_BIT);
     glUniform2i(1, (GLint)light, (GLint)face);
     for (uint32_t i = 0; i < runtime->scene.instance_count; i++) {
@@ -170,7 +173,8 @@ static void draw_layer(const al_draw *draw, uint32_t light, uint32_t face)
         if (!casts(runtime, instance)) continue;
         glUniformMatrix4fv(0, 1, GL_FALSE, instance->world);
         glBindVertexArray(runtime->model.meshes[instance->mesh].vertex_array);
-        glDrawElements(GL_TRIANGLES, (GLsizei)runtime->scene.meshes[instance->mesh].index_count, GL_UNSIGNED_INT, NULL);
+        glDrawElements(GL_TRIANGLES, (GLsizei)runtime->scene.meshes[instance->mesh].index_count,
+                       GL_UNSIGNED_INT, NULL);
     }
 }
 
@@ -184,7 +188,8 @@ al_status al_shadow_draw(al_draw *draw)
         return AL_OK;
     }
     al_status status = fit_maps(draw, layers, edge);
-    if (!status) status = al_shaders_get(runtime->shaders, "shadow.vert shadow.frag", "", &program, draw->error);
+    if (!status)
+        status = al_shaders_get(runtime->shaders, "shadow.vert shadow.frag", "", &program, draw->error);
     if (status) return status;
     for (int32_t i = 0; i < draw->block.counts[0]; i++) {
         al_light_block *light = &draw->block.lights[i];

@@ -11,10 +11,11 @@ al_status al_splat_draw(al_draw *draw, al_object *object)
     char defines[96];
     GLuint program;
     snprintf(defines, sizeof defines, "%s%s", object->chromatic ? "#define AL_CHROMATIC\n" : "",
-             draw->settings.pass == AL_PASS_UNITY           ? "#define AL_UNITY\n"
+             draw->settings.pass == AL_PASS_UNITY        ? "#define AL_UNITY\n"
              : draw->settings.view_leg == AL_VIEW_LEG_SH ? "#define AL_VIEW_SH\n"
-                                                            : "");
-    al_status status = al_shaders_get(runtime->shaders, "splat.vert splat.frag", defines, &program, draw->error);
+                                                         : "");
+    al_status status =
+        al_shaders_get(runtime->shaders, "splat.vert splat.frag", defines, &program, draw->error);
     if (status) return status;
     al_timing_begin(&runtime->timing, AL_STAGE_SPLAT);
     glBindFramebuffer(GL_FRAMEBUFFER, targets->light_framebuffer);

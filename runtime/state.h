@@ -10,8 +10,8 @@
 
 enum {
     AL_LIGHT_LIMIT = 64,
-    AL_CASTER_LIMIT = 8,       /* translucent objects that shadow others; further ones do not */
-    AL_TILE_WIDTH = 2048,      /* larger views are drawn in tiles, so that targets stay below 400 MiB */
+    AL_CASTER_LIMIT = 8,  /* translucent objects that shadow others; further ones do not */
+    AL_TILE_WIDTH = 2048, /* larger views are drawn in tiles, so that targets stay below 400 MiB */
     AL_TILE_HEIGHT = 1088,
     AL_KNOT_LIMIT = 32,
     AL_ENVIRONMENT_BANDS = 9,
@@ -58,38 +58,38 @@ typedef struct al_model {
     al_model_mesh *meshes;
     al_gl_texture *textures;
     uint32_t mesh_count, texture_count;
-    bool has_opaque;
+    bool has_opaque, has_blockers;
 } al_model;
 
 typedef struct al_object { /* one of al_scene.translucents */
     bool present, failed;
-    bool chromatic;              /* extinction differs between the channels that have any */
+    bool chromatic; /* extinction differs between the channels that have any */
     al_translucent_info info;
     al_gl_buffer positions, gaussians, coefficients, scales, lit, constants;
     al_gl_texture density;
-    uint32_t loaded;             /* samples on the GPU */
-    uint64_t slices;             /* of the density grid, on the GPU */
+    uint32_t loaded; /* samples on the GPU */
+    uint64_t slices; /* of the density grid, on the GPU */
     /* of the frame being drawn */
     al_object_block block;
     uint32_t drawn, order;
-    int32_t rectangle[4];        /* x, y, width, height in the view; width 0: not in view */
-    double distance_m;           /* of its middle, to sort */
-    float environment_key[20];   /* what block.environment was computed for */
+    int32_t rectangle[4];      /* x, y, width, height in the view; width 0: not in view */
+    double distance_m;         /* of its middle, to sort */
+    float environment_key[20]; /* what block.environment was computed for */
     bool environment_good;
 } al_object;
 
 typedef struct al_shadow_maps {
-    al_gl_texture depth;   /* array of layers */
+    al_gl_texture depth; /* array of layers */
     GLuint framebuffer;
-    float *key;            /* lights and instances the maps were drawn for */
-    size_t key_size;       /* floats */
+    float *key;      /* lights and instances the maps were drawn for */
+    size_t key_size; /* floats */
 } al_shadow_maps;
 
-typedef struct al_targets { /* of one tile */
-    al_gl_texture radiance, geometry, depth;           /* opaque surfaces, then everything */
-    al_gl_texture boundary, reflection;                /* of one translucent object */
+typedef struct al_targets {                  /* of one tile */
+    al_gl_texture radiance, geometry, depth; /* opaque surfaces, then everything */
+    al_gl_texture boundary, reflection;      /* of one translucent object */
     al_gl_texture ends, knots, light;
-    al_gl_texture host;                                /* the host's own picture */
+    al_gl_texture host; /* the host's own picture */
     GLuint scene_framebuffer, radiance_framebuffer, boundary_framebuffer, light_framebuffer, host_framebuffer;
 } al_targets;
 
@@ -100,14 +100,14 @@ struct al_runtime {
     al_scene scene;
     bool loaded, ended;
     al_loader *loader;
-    al_arrival arrival;     /* being uploaded */
+    al_arrival arrival; /* being uploaded */
     bool arriving;
-    uint32_t arrived;       /* samples of the arriving page on the GPU */
+    uint32_t arrived; /* samples of the arriving page on the GPU */
     al_model model;
     al_gl_texture environment;
     uint32_t environment_levels;
-    al_object *objects;     /* [scene.translucent_count] */
-    uint32_t *sorted;       /* their indices, far to near, in the frame being drawn */
+    al_object *objects; /* [scene.translucent_count] */
+    uint32_t *sorted;   /* their indices, far to near, in the frame being drawn */
     al_shadow_maps shadow;
     al_targets targets;
     al_timing timing;
@@ -125,10 +125,10 @@ typedef struct al_draw {
     al_settings settings; /* defaults filled in */
     al_frame_block block;
     double view_projection[16];
-    double eye[4];        /* position and 1, or direction to the eye and 0 */
-    int32_t tile[4];      /* x, y, width, height in the view */
-    bool needs_light;     /* samples are splatted */
-    bool needs_shading;   /* of opaque surfaces */
+    double eye[4];      /* position and 1, or direction to the eye and 0 */
+    int32_t tile[4];    /* x, y, width, height in the view */
+    bool needs_light;   /* samples are splatted */
+    bool needs_shading; /* of opaque surfaces */
     uint32_t framebuffer, host_depth;
     al_error *error;
 } al_draw;
@@ -166,11 +166,11 @@ void al_targets_free(al_runtime *runtime);
 al_status al_surface_draw(al_draw *draw);
 al_status al_boundary_draw(al_draw *draw, al_object *object, uint32_t index);
 
-al_status al_light_run(al_draw *draw, al_object *object);                              /* light.c */
-al_status al_intervals_run(al_draw *draw, al_object *object, const int32_t area[4]);   /* intervals.c */
-al_status al_splat_draw(al_draw *draw, al_object *object);                             /* splat.c */
-al_status al_object_join(al_draw *draw);                        /* composite.c */
+al_status al_light_run(al_draw *draw, al_object *object);                            /* light.c */
+al_status al_intervals_run(al_draw *draw, al_object *object, const int32_t area[4]); /* intervals.c */
+al_status al_splat_draw(al_draw *draw, al_object *object);                           /* splat.c */
+al_status al_object_join(al_draw *draw);                                             /* composite.c */
 al_status al_inspect_draw(al_draw *draw); /* composite.c: normals or distances instead of radiance */
-al_status al_output_draw(al_draw *draw);                                               /* composite.c */
+al_status al_output_draw(al_draw *draw);  /* composite.c */
 
 #endif

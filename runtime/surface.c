@@ -31,9 +31,13 @@ static void set_material(const al_runtime *runtime, const al_material *m, float 
 
 static void draw_instance(const al_runtime *runtime, const al_instance *instance, bool boundary)
 {
-    static const al_material plain = {.base_color = {0.8f, 0.8f, 0.8f}, .roughness = 1, .ior = 1.5f,
-                                      .base_color_texture = AL_NO_INDEX, .emission_texture = AL_NO_INDEX,
-                                      .metallic_roughness_texture = AL_NO_INDEX, .normal_texture = AL_NO_INDEX};
+    static const al_material plain = {.base_color = {0.8f, 0.8f, 0.8f},
+                                      .roughness = 1,
+                                      .ior = 1.5f,
+                                      .base_color_texture = AL_NO_INDEX,
+                                      .emission_texture = AL_NO_INDEX,
+                                      .metallic_roughness_texture = AL_NO_INDEX,
+                                      .normal_texture = AL_NO_INDEX};
     const al_scene *scene = &runtime->scene;
     const al_mesh *mesh = &scene->meshes[instance->mesh];
     const float *w = instance->world;
@@ -45,7 +49,8 @@ static void draw_instance(const al_runtime *runtime, const al_instance *instance
     glBindVertexArray(runtime->model.meshes[instance->mesh].vertex_array);
     for (uint32_t i = 0; i < mesh->submesh_count; i++) {
         const al_submesh *part = &mesh->submeshes[i];
-        const al_material *m = part->material < scene->material_count ? &scene->materials[part->material] : &plain;
+        const al_material *m =
+            part->material < scene->material_count ? &scene->materials[part->material] : &plain;
         set_material(runtime, m, dielectric_reflectance(m->ior));
         if (boundary || m->double_sided)
             glDisable(GL_CULL_FACE);
@@ -69,13 +74,14 @@ static al_status draw_background(al_draw *draw)
 {
     al_runtime *runtime = draw->runtime;
     GLuint program;
-    al_status status = al_shaders_get(runtime->shaders, "fullscreen.vert background.frag", "", &program, draw->error);
+    al_status status =
+        al_shaders_get(runtime->shaders, "fullscreen.vert background.frag", "", &program, draw->error);
     if (status) return status;
     bool shown = draw->settings.pass == AL_PASS_COMPOSITE;
     if (draw->host_depth)
-        glBlitNamedFramebuffer(draw->framebuffer, runtime->targets.host_framebuffer, draw->tile[0], draw->tile[1],
-                               draw->tile[0] + draw->tile[2], draw->tile[1] + draw->tile[3], 0, 0, draw->tile[2],
-                               draw->tile[3], GL_COLOR_BUFFER_BIT, GL_NEAREST);
+        glBlitNamedFramebuffer(draw->framebuffer, runtime->targets.host_framebuffer, draw->tile[0],
+                               draw->tile[1], draw->tile[0] + draw->tile[2], draw->tile[1] + draw->tile[3], 0,
+                               0, draw->tile[2], draw->tile[3], GL_COLOR_BUFFER_BIT, GL_NEAREST);
     glUseProgram(program);
     al_gl_bind_texture(AL_UNIT_PASS, draw->host_depth);
     al_gl_bind_texture(AL_UNIT_PASS + 1, runtime->targets.host.id);
@@ -99,14 +105,20 @@ al_status al_surface_draw(al_draw *draw)
     glEnable(GL_SCISSOR_TEST);
     glScissor(0, 0, draw->tile[2], draw->tile[3]);
     al_status status = draw_background(draw);
-    if (!status && runtime->model.has_opaque) {
+    if (!status && (runtime->model.has_opaque || runtime->model.has_blockers)) {
         status = al_shaders_get(runtime->shaders, "surface.vert surface.frag", "", &program, draw->error);
         if (!status) {
             set_viewport(draw);
             glUseProgram(program);
             glUniform4i(5, draw->needs_shading, !draw->settings.shadows_off, -1, 0);
             for (uint32_t i = 0; i < scene->instance_count; i++)
-                if (scene->instances[i].role == AL_ROLE_OPAQUE) draw_instance(runtime, &scene->instances[i], false);
+                if (scene->instances[i].role == AL_ROLE_OPAQUE)
+                    draw_instance(runtime, &scene->instances[i], false);
+            /* Blockers are black; their own faces end the march sharper than voxels can. */
+            glUniform4i(5, 0, 0, -1, 0);
+            for (uint32_t i = 0; i < scene->instance_count; i++)
+                if (scene->instances[i].role == AL_ROLE_BLOCKER)
+                    draw_instance(runtime, &scene->instances[i], false);
         }
     }
     glDisable(GL_DEPTH_TEST);
@@ -120,8 +132,8 @@ al_status al_boundary_draw(al_draw *draw, al_object *object, uint32_t index)
     al_runtime *runtime = draw->runtime;
     const al_scene *scene = &runtime->scene;
     GLuint program, framebuffer = runtime->targets.boundary_framebuffer;
-    al_status status = al_shaders_get(runtime->shaders, "surface.vert surface.frag", "#define AL_BOUNDARY\n", &program,
-                                      draw->error);
+    al_status status = al_shaders_get(runtime->shaders, "surface.vert surface.frag", "#define AL_BOUNDARY\n",
+                                      &program, draw->error);
     if (status) return status;
     bool shade = (draw->settings.pass == AL_PASS_COMPOSITE || draw->settings.pass == AL_PASS_SURFACE) &&
                  !draw->settings.surface_off;

@@ -5,8 +5,8 @@
 
 static al_status fit(al_draw *draw, GLenum target, GLenum format, uint32_t layers, al_gl_texture *texture)
 {
-    return al_gl_texture_fit(&draw->runtime->memory, target, format, (uint32_t)draw->tile[2], (uint32_t)draw->tile[3],
-                             layers, texture, draw->error);
+    return al_gl_texture_fit(&draw->runtime->memory, target, format, (uint32_t)draw->tile[2],
+                             (uint32_t)draw->tile[3], layers, texture, draw->error);
 }
 
 static void attach(GLuint *framebuffer, GLuint first, GLuint second, GLuint depth)
@@ -22,7 +22,8 @@ static void attach(GLuint *framebuffer, GLuint first, GLuint second, GLuint dept
 static al_status fit_object_targets(al_draw *draw)
 {
     al_targets *t = &draw->runtime->targets;
-    bool chromatic = false; /* extinction differs between channels: the interval map holds optical depths too */
+    bool chromatic =
+        false; /* extinction differs between channels: the interval map holds optical depths too */
     for (uint32_t i = 0; i < draw->runtime->scene.translucent_count; i++)
         chromatic = chromatic || draw->runtime->objects[i].chromatic;
     al_status status = fit(draw, GL_TEXTURE_2D, GL_RGBA32F, 1, &t->boundary);
@@ -62,7 +63,8 @@ void al_targets_free(al_runtime *runtime)
                                        &t->ends,     &t->knots,    &t->light, &t->host};
     GLuint *const framebuffers[] = {&t->scene_framebuffer, &t->radiance_framebuffer, &t->boundary_framebuffer,
                                     &t->light_framebuffer, &t->host_framebuffer};
-    for (size_t i = 0; i < sizeof textures / sizeof textures[0]; i++) al_gl_texture_free(&runtime->memory, textures[i]);
+    for (size_t i = 0; i < sizeof textures / sizeof textures[0]; i++)
+        al_gl_texture_free(&runtime->memory, textures[i]);
     for (size_t i = 0; i < sizeof framebuffers / sizeof framebuffers[0]; i++)
         if (*framebuffers[i]) glDeleteFramebuffers(1, framebuffers[i]);
     memset(t, 0, sizeof *t);

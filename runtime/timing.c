@@ -4,7 +4,8 @@
 
 const char *al_stage_name(al_stage stage)
 {
-    static const char *const names[AL_STAGE_COUNT] = {"shadow", "light", "surface", "intervals", "splat", "composite"};
+    static const char *const names[AL_STAGE_COUNT] = {"shadow",    "light", "surface",
+                                                      "intervals", "splat", "composite"};
     return names[stage];
 }
 
@@ -12,7 +13,8 @@ const char *al_stage_name(al_stage stage)
 static bool collect(al_timing *timing, al_timing_frame *frame)
 {
     GLuint available = 1;
-    if (frame->count) glGetQueryObjectuiv(frame->queries[frame->count - 1], GL_QUERY_RESULT_AVAILABLE, &available);
+    if (frame->count)
+        glGetQueryObjectuiv(frame->queries[frame->count - 1], GL_QUERY_RESULT_AVAILABLE, &available);
     if (!available) return false;
     memset(timing->ms, 0, sizeof timing->ms);
     memset(timing->runs, 0, sizeof timing->runs);

@@ -1,5 +1,5 @@
-/* GPU time per pass by pairs of timestamps that are read frames later, so that nothing waits; and the KHR_debug
- * group of each pass. */
+/* GPU time per pass by pairs of timestamps that are read frames later, so that nothing waits; and the
+ * KHR_debug group of each pass. */
 #ifndef AIRLIGHT_RUNTIME_TIMING_H
 #define AIRLIGHT_RUNTIME_TIMING_H
 
@@ -31,9 +31,9 @@ typedef struct al_timing_frame {
 typedef struct al_timing {
     al_timing_frame ring[AL_TIMING_RING];
     uint32_t current;
-    bool active;                    /* this frame is timed */
-    double ms[AL_STAGE_COUNT];      /* of the last frame that came back */
-    uint32_t runs[AL_STAGE_COUNT];  /* how often each stage ran in it */
+    bool active;                   /* this frame is timed */
+    double ms[AL_STAGE_COUNT];     /* of the last frame that came back */
+    uint32_t runs[AL_STAGE_COUNT]; /* how often each stage ran in it */
 } al_timing;
 
 const char *al_stage_name(al_stage stage);

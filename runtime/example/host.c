@@ -1,5 +1,6 @@
-/* How a game embeds airlight: its own window, context, colour and depth targets, its own triangle among the baked
- * objects. airlight-host-example DIR [FRAMES]: with FRAMES the window stays hidden and the program ends after them. */
+/* How a game embeds airlight: its own window, context, colour and depth targets, its own triangle among the
+ * baked objects. airlight-host-example DIR [FRAMES]: with FRAMES the window stays hidden and the program ends
+ * after them. */
 #include <epoxy/gl.h>
 #include <GLFW/glfw3.h>
 #include <cglm/cglm.h>
@@ -27,10 +28,9 @@ static const char *const vertex_text =
     "    vec2 corner[3] = vec2[](vec2(-1.0, -0.6), vec2(1.0, -0.6), vec2(0.0, 1.0));\n"
     "    gl_Position = view_projection * vec4(middle + vec3(corner[gl_VertexID] * size, 0.0), 1.0);\n"
     "}\n";
-static const char *const fragment_text =
-    "#version 450 core\n"
-    "layout(location = 0) out vec4 radiance;\n"
-    "void main() { radiance = vec4(0.1, 0.4, 0.9, 1.0); }\n";
+static const char *const fragment_text = "#version 450 core\n"
+                                         "layout(location = 0) out vec4 radiance;\n"
+                                         "void main() { radiance = vec4(0.1, 0.4, 0.9, 1.0); }\n";
 
 static int fail(al_status status, const char *what)
 {
@@ -142,8 +142,8 @@ static int run(host *h, const char *folder, int frames)
         if (al_runtime_draw(h->runtime, &view, &settings, h->framebuffer, h->depth, &error))
             return fail(error.status, error.message);
         /* A game would tone-map here. */
-        glBlitNamedFramebuffer(h->framebuffer, 0, 0, 0, WIDTH, HEIGHT, 0, 0, WIDTH, HEIGHT, GL_COLOR_BUFFER_BIT,
-                               GL_NEAREST);
+        glBlitNamedFramebuffer(h->framebuffer, 0, 0, 0, WIDTH, HEIGHT, 0, 0, WIDTH, HEIGHT,
+                               GL_COLOR_BUFFER_BIT, GL_NEAREST);
         glfwSwapBuffers(h->window);
         glfwPollEvents();
     }

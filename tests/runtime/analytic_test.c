@@ -8,8 +8,9 @@
 
 enum { ROWS = 7, EDGE = 65, MIDDLE = 32, STEP = 10, FRAMES = 8 };
 
-/* A directional light of irradiance 1 and an orthographic camera on +z; radiance at x, y = -0.9, -0.6, ... 0.9, x
- * fastest. Radius 1, isotropic, no refraction; good to 1e-6. */
+/* A directional light of irradiance 1 and an orthographic camera on +z; radiance at x, y = -0.9, -0.6, ...
+ * 0.9, x fastest. Radius 1, isotropic, no refraction; good to 1e-6. */
+/* clang-format off */
 static const struct {
     float sigma_t, albedo, light[3];
     double radiance[ROWS * ROWS];
@@ -37,8 +38,10 @@ static const struct {
         0.0129630531, 0.00250914203, 0.00153434681, 0.00250914203, 0.0129630531, 0, 0, 0, 0.0444323284,
         0.0343879657, 0.0444323284, 0, 0}},
 };
+/* clang-format on */
 
-/* Adds squared differences and squares over the rows of one sphere, frames averaged (their jitter differs). */
+/* Adds squared differences and squares over the rows of one sphere, frames averaged (their jitter differs).
+ */
 static void compare(int index, const char *folder, const sphere_options *options, const al_settings *settings,
                     double sums[2])
 {
@@ -78,7 +81,8 @@ static void compare(int index, const char *folder, const sphere_options *options
 static double relative_rmse(const char *folder, const sphere_options *options, const al_settings *settings)
 {
     double sums[2] = {0};
-    for (size_t i = 0; i < sizeof oracle / sizeof oracle[0]; i++) compare((int)i, folder, options, settings, sums);
+    for (size_t i = 0; i < sizeof oracle / sizeof oracle[0]; i++)
+        compare((int)i, folder, options, settings, sums);
     return sqrt(sums[0] / sums[1]);
 }
 
@@ -92,11 +96,12 @@ int main(void)
     const sphere_options narrow = {.samples = 8000, .order = 5};
     double coarse = relative_rmse(folder, &few, &marched), fine = relative_rmse(folder, &many, &marched);
     double band = relative_rmse(folder, &narrow, &marched), paper = relative_rmse(folder, &many, &published);
-    printf("relative RMSE: marched %.4f with 1000 samples, %.4f with 8000, order 5 %.4f; published %.4f\n", coarse, fine,
-           band, paper);
-    /* These Gaussians are not weighted to sum to one at the boundary, where most light is: that leaves an error of
-     * first order in the spacing, 13 % at 1000 samples, so half of it at eight times as many. Order 5 adds its band
-     * limit. As published nothing divides by the sum of the Gaussians: 19 % when this was written. */
+    printf("relative RMSE: marched %.4f with 1000 samples, %.4f with 8000, order 5 %.4f; published %.4f\n",
+           coarse, fine, band, paper);
+    /* These Gaussians are not weighted to sum to one at the boundary, where most light is: that leaves an
+     * error of first order in the spacing, 13 % at 1000 samples, so half of it at eight times as many. Order
+     * 5 adds its band limit. As published nothing divides by the sum of the Gaussians: 19 % when this was
+     * written. */
     CHECK(coarse < 0.14);
     CHECK(fine < 0.55 * coarse);
     CHECK(band < fine + 0.031);

@@ -52,7 +52,7 @@ typedef struct al_mesh {
 typedef enum al_role {
     AL_ROLE_OPAQUE = 0,      /* drawn and shadowing */
     AL_ROLE_TRANSLUCENT = 1, /* boundary of a translucent object */
-    AL_ROLE_BLOCKER = 2      /* inside a translucent object: part of its asset; black in its light, not drawn */
+    AL_ROLE_BLOCKER = 2      /* inside a translucent object: part of its asset; drawn black */
 } al_role;
 
 typedef struct al_instance {

@@ -5,9 +5,10 @@
  *   2. al_runtime_load starts a loader thread; it never touches GL.
  *   3. Every frame: al_runtime_update uploads what has arrived, al_runtime_draw draws.
  * GL state: al_runtime_draw changes program, vertex array, framebuffer, viewport, blend, depth, cull,
- * texture, image and buffer bindings, clip control, depth range, pixel unpacking and sampler bindings, and restores
- * none but the framebuffer bindings and the viewport (al_runtime_load and _update restore nothing): hosts set
- * what they need. Passes run in KHR_debug groups named as in al_runtime_times.
+ * texture, image and buffer bindings, clip control, depth range, pixel unpacking and sampler bindings, and
+ * restores none but the framebuffer bindings and the viewport (al_runtime_load and _update restore nothing):
+ * hosts set what they need. Passes run in KHR_debug groups named as in al_runtime_times.
+ *
  * Thread safety: all calls from the thread whose context is current. */
 #ifndef AIRLIGHT_RUNTIME_H
 #define AIRLIGHT_RUNTIME_H
@@ -28,8 +29,8 @@ typedef struct al_runtime_options {
     const char *shader_folder; /* NULL: the embedded shaders; else *.glsl and stages from this folder */
 } al_runtime_options;
 
-/* AL_NO_DEVICE without OpenGL 4.5. options may be NULL. Shaders are built when first drawn: an error there names
- * the file, and a file with the whole log. */
+/* AL_NO_DEVICE without OpenGL 4.5. options may be NULL. Shaders are built when first drawn: an error there
+ * names the file, and a file with the whole log. */
 al_status al_runtime_create(const al_runtime_options *options, al_runtime **runtime, al_error *error);
 void al_runtime_destroy(al_runtime *runtime);
 
@@ -42,8 +43,8 @@ typedef struct al_load_state {
     bool complete;
 } al_load_state;
 
-/* Uploads what has arrived, at most `byte_budget` bytes (0: no limit), but at least one sample or one slice of a
- * density grid. A failed asset: its error, once. */
+/* Uploads what has arrived, at most `byte_budget` bytes (0: no limit), but at least one sample or one slice
+ * of a density grid. A failed asset: its error, once. */
 al_status al_runtime_update(al_runtime *runtime, uint64_t byte_budget, al_load_state *state, al_error *error);
 
 /* The loaded scene; lights, instances' world matrices and play settings may be changed between frames.
@@ -56,30 +57,30 @@ typedef enum al_view_leg {
 } al_view_leg;
 
 typedef enum al_pass {
-    AL_PASS_COMPOSITE = 0,   /* everything */
-    AL_PASS_TRANSLUCENT,     /* the samples' light alone */
-    AL_PASS_SURFACE,         /* surface shading alone */
-    AL_PASS_NORMAL,          /* of the nearest surface, n * 0.5 + 0.5 */
-    AL_PASS_DEPTH,           /* distance to the eye of the nearest surface, metres */
-    AL_PASS_INTERVALS,       /* distances of the first three interval knots, metres */
-    AL_PASS_UNITY,           /* the line integral of sum gamma over the chord: 1 where it sums to one */
+    AL_PASS_COMPOSITE = 0, /* everything */
+    AL_PASS_TRANSLUCENT,   /* the samples' light alone */
+    AL_PASS_SURFACE,       /* surface shading alone */
+    AL_PASS_NORMAL,        /* of the nearest surface, n * 0.5 + 0.5 */
+    AL_PASS_DEPTH,         /* distance to the eye of the nearest surface, metres */
+    AL_PASS_INTERVALS,     /* distances of the first three interval knots, metres */
+    AL_PASS_UNITY,         /* the line integral of sum gamma over the chord: 1 where it sums to one */
     AL_PASS_COUNT
 } al_pass;
 const char *al_pass_name(al_pass pass); /* "composite", "translucent", ... */
 
 /* Knobs; all zero is the default and the best-looking. */
 typedef struct al_settings {
-    uint32_t sample_limit;    /* per object; 0: all that are loaded */
-    uint32_t sh_order;        /* 0: as baked */
+    uint32_t sample_limit; /* per object; 0: all that are loaded */
+    uint32_t sh_order;     /* 0: as baked */
     al_view_leg view_leg;
-    bool surface_off;         /* no surface shading of translucent objects */
-    bool clip_off;            /* splats are not clipped by the object's front (published figure 4) */
-    bool normalise_off;       /* marched view leg: do not divide by the sum of the Gaussians */
+    bool surface_off;   /* no surface shading of translucent objects */
+    bool clip_off;      /* splats are not clipped by the object's front (published figure 4) */
+    bool normalise_off; /* marched view leg: do not divide by the sum of the Gaussians */
     bool shadows_off;
-    bool detail_off;          /* no level of detail by distance */
-    bool background_off;      /* black instead of the environment */
-    uint32_t interval_count;  /* knots of the interval map, 0: 16; 4 to 32 */
-    float march_voxels;       /* step of the march in voxels, 0: 0.5 */
+    bool detail_off;         /* no level of detail by distance */
+    bool background_off;     /* black instead of the environment */
+    uint32_t interval_count; /* knots of the interval map, 0: 16; 4 to 32 */
+    float march_voxels;      /* step of the march in voxels, 0: 0.5 */
     al_pass pass;
 } al_settings;
 
@@ -90,9 +91,10 @@ typedef struct al_view {
 
 /* Draws linear radiance before exposure into `framebuffer` (its colour 0, cleared by the call; RGBA16F or
  * RGBA32F, not multisampled) at view.width x view.height; numbers beyond what it holds become its largest.
- * `depth_texture` (0 for none, GL_DEPTH_COMPONENT32F, same size) holds the host's own opaque geometry: it hides and
- * clips ours. Colour 0 is not cleared then: it is the host's picture, kept where the depth is below 1, seen through
- * our media, and replaced by our background elsewhere. The projection is perspective or orthographic. */
+ * `depth_texture` (0 for none, GL_DEPTH_COMPONENT32F, same size) holds the host's own opaque geometry: it
+ * hides and clips ours. Colour 0 is not cleared then: it is the host's picture, kept where the depth is below
+ * 1, seen through our media, and replaced by our background elsewhere. The projection is perspective or
+ * orthographic. */
 al_status al_runtime_draw(al_runtime *runtime, const al_view *view, const al_settings *settings,
                           uint32_t framebuffer, uint32_t depth_texture, al_error *error);
 
