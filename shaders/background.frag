@@ -5,7 +5,8 @@
 
 layout(binding = 2) uniform sampler2D host_depth;
 layout(binding = 3) uniform sampler2D host_color;
-layout(location = 0) uniform ivec3 choice; // there is a host depth; draw the background; keep the host's colour
+// There is a host depth; draw the background; keep the host's colour.
+layout(location = 0) uniform ivec3 choice;
 
 layout(location = 0) out vec4 radiance;
 layout(location = 1) out vec4 geometry;

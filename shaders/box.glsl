@@ -2,7 +2,8 @@
 #ifndef AL_BOX_GLSL
 #define AL_BOX_GLSL
 
-void box_span(vec3 origin, vec3 direction, vec3 low, vec3 size, float margin, out float entry, out float leave)
+void box_span(vec3 origin, vec3 direction, vec3 low, vec3 size, float margin, out float entry,
+              out float leave)
 {
     // A component of exactly 0 would make 0 * infinity on the box's face.
     vec3 safe = mix(direction, vec3(1e-30), lessThan(abs(direction), vec3(1e-30)));

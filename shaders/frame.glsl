@@ -25,8 +25,8 @@ layout(std140, binding = 0) uniform Frame {
     mat4 view_projection;
     mat4 view_projection_inverse;
     vec4 eye; // xyz: position, w 1; orthographic: the direction towards the eye, w 0
-    // The ray of the view's pixel position (x, y), lower left corner (0, 0), in world space: origin + x origin_x
-    // + y origin_y, and likewise its direction, not yet of unit length.
+    // The ray of the view's pixel position (x, y), lower left corner (0, 0), in world space: origin + x
+    // origin_x + y origin_y, and likewise its direction, not yet of unit length.
     vec4 ray_origin, ray_origin_x, ray_origin_y, ray_direction, ray_direction_x, ray_direction_y;
     ivec4 tile;          // xy: where the tile's lower left pixel is in the view; zw: size of the view
     ivec4 counts;        // lights; casters; environment: 0 none, 1 coefficients only, 2 texture; its levels

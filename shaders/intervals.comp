@@ -4,13 +4,14 @@
 //
 // The first march finds where the medium starts and ends and its optical depth, the second places the knots
 // inside the steps. Density is trilinear and zero outside the grid. The medium begins at the object's front
-// surface, which the voxels blur over 1.5 of their edges to both sides: the first cell reaches 1.5 voxels behind
-// the front and takes what lies before it too, so that no optical depth is lost (in a homogeneous medium its
-// density comes out exact). Both marches stop at opaque surfaces, at blockers and where nothing is left to see.
+// surface, which the voxels blur over 1.5 of their edges to both sides: the first cell reaches 1.5 voxels
+// behind the front and takes what lies before it too, so that no optical depth is lost (in a homogeneous
+// medium its density comes out exact). Both marches stop at opaque surfaces, at blockers and where nothing is
+// left to see.
 //
-// Layer j of the knots holds t of the knots 4j+1 to 4j+4 but for the last; unused places repeat the last but one.
-// AL_CHROMATIC: as many layers again hold the optical depth of the largest channel there (in grey media it follows
-// from the equal steps). Ends: t_0, t_last (equal: no medium), optical depth, 1 behind a blocker.
+// Layer j of the knots holds t of the knots 4j+1 to 4j+4 but for the last; unused places repeat the last but
+// one. AL_CHROMATIC: as many layers again hold the optical depth of the largest channel there (in grey media
+// it follows from the equal steps). Ends: t_0, t_last (equal: no medium), optical depth, 1 behind a blocker.
 #extension GL_GOOGLE_include_directive : enable
 #include "formulas.glsl"
 #include "frame.glsl"
@@ -90,8 +91,8 @@ void main()
     m.step = direction / box_size.xyz;
     m.size = march.y;
     m.first = entry - jitter(place + tile.xy) * m.size;
-    float faintest = min(min(ratio.r > 0.0 ? ratio.r : 1.0, ratio.g > 0.0 ? ratio.g : 1.0), ratio.b > 0.0 ? ratio.b : 1.0);
-    float limit = nothing_left / faintest;
+    vec3 present = mix(vec3(1.0), ratio.rgb, greaterThan(ratio.rgb, vec3(0.0)));
+    float limit = nothing_left / min(min(present.r, present.g), present.b);
 
     int count = int(ceil((leave - m.first) / m.size)), from = -1, to = 0;
     float tau = 0.0, blocked = 0.0, share = 0.0;
@@ -101,7 +102,8 @@ void main()
         if (box_size.w > 0.0 && texel.g > 0.5) {
             // Half-way between the last two samples' shares lies the blocker's surface.
             float middle = 0.5 * (a + b);
-            leave = max(middle - m.size * clamp((texel.g - 0.5) / max(texel.g - share, 1e-6), 0.0, 1.0), entry);
+            float past = clamp((texel.g - 0.5) / max(texel.g - share, 1e-6), 0.0, 1.0);
+            leave = max(middle - m.size * past, entry);
             blocked = 1.0;
             if (leave > a) tau += texel.r * march.x * (leave - a);
             to = i + 1;

@@ -2,15 +2,16 @@
 // The light that each sample scatters towards the eye, once per frame, all lights in one loop:
 //   J_c = sum over lights of p(cos) E_c psi_c(towards the light) V_c + integral of p L_environment,c psi_c,
 // p the phase function, E the irradiance facing the light, psi the sample's transmittance in SH, V what other
-// objects let through. The environment's integral is a dot product of coefficients: those of p L come from the
-// host, with p about the direction from the object's middle to the eye (exact for g = 0, and for g != 0 as far
-// as the object is seen from one direction).
+// objects let through. The environment's integral is a dot product of coefficients: those of p L come from
+// the host, with p about the direction from the object's middle to the eye (exact for g = 0, and for g != 0
+// as far as the object is seen from one direction).
 //
-// Marched view leg: the result is albedo_c J_c; the interval map brings extinction and the transmittance to the
-// eye. Beside it goes its relative slope: along the direction w to its light psi(x, w) grows by sigma_t(x) psi per
-// metre, exactly, so that to first order J(x) = J(b) exp(s.(x - b)) with s = sum of sigma_t J_light w / J. (What
-// psi does across w depends on where the light enters and is not known here; nor is the environment's slope.)
-// AL_VIEW_SH, as published: sigma_s,c at the sample times psi_c(towards the eye) times J_c, 1/m.
+// Marched view leg: the result is albedo_c J_c; the interval map brings extinction and the transmittance to
+// the eye. Beside it goes its relative slope: along the direction w to its light psi(x, w) grows by
+// sigma_t(x) psi per metre, exactly, so that to first order J(x) = J(b) exp(s.(x - b)) with s = sum of
+// sigma_t J_light w / J. (What psi does across w depends on where the light enters and is not known here; nor
+// is the environment's slope.) AL_VIEW_SH, as published: sigma_s,c at the sample times psi_c(towards the eye)
+// times J_c, 1/m.
 //
 // AL_ORDER, AL_BAKED_ORDER: bands used and bands stored. AL_CHANNELS: 1 or 3 sets of coefficients.
 // AL_FORMAT: 0 float32, 1 binary16, 2 int8 with a scale per sample and set.
@@ -29,7 +30,8 @@
 
 layout(local_size_x = 64) in;
 layout(std430, binding = 0) readonly buffer Positions { float positions[]; };
-layout(std430, binding = 1) readonly buffer Gaussians { vec4 gaussians[]; }; // a 1/m^2, weight, radius m, density
+// a in 1/m^2, weight, radius in m, density.
+layout(std430, binding = 1) readonly buffer Gaussians { vec4 gaussians[]; };
 layout(std430, binding = 2) readonly buffer Coefficients { uint coefficients[]; }; // from sample `first` on
 layout(std430, binding = 3) readonly buffer Scales { float scales[]; };
 layout(std430, binding = 4) writeonly buffer Lit { vec4 lit[]; }; // rgb; then the slope, 1/m
@@ -100,8 +102,8 @@ void main()
     for (int i = 0; i < counts.x; i++) {
         vec3 direction;
         float reach;
-        // No more than the mean over a ball of radius a^(-1/2) about the light, 3 a: the sample stands for its
-        // surroundings, so a light inside it has no pole.
+        // No more than the mean over a ball of radius a^(-1/2) about the light, 3 a: the sample stands for
+        // its surroundings, so a light inside it has no pole.
         vec3 arriving = light_arrival(i, world, 3.0 * gaussian.x * prefix.x, direction, reach);
         vec3 own = mat3(world_to_object) * direction;
         arriving *= transmittance(own) * al_phase(albedo.w, -dot(direction, eye_way));

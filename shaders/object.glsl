@@ -13,10 +13,10 @@ layout(std140, binding = 1) uniform Object {
     vec4 albedo;   // rgb: sigma_s / sigma_t, 0 without extinction; w: Henyey-Greenstein g
     vec4 sigma_s;  // rgb: per metre at density 1
     vec4 ratio;    // rgb: sigma_t over the largest of the three; w: how many are not 0
-    vec4 march;    // x: largest sigma_t per metre where the texture reads 1; y: step of the march, m; z: largest sigma_t per metre at
-                   // density 1; w: unused
+    vec4 march;    // x: largest sigma_t per metre where the texture reads 1; y: step of the march, m;
+                   // z: largest sigma_t per metre at density 1; w: unused
     vec4 prefix;   // x: factor on the Gaussians' a; y: on their radii; zw: unused
-    ivec4 sizes;   // samples drawn; knots of the interval map; own index among the casters or -1; frame number
+    ivec4 sizes;   // samples drawn; knots of the interval map; own index among the casters, -1; frame number
     ivec4 toggles; // clip by the front; normalise; light shadows; 1 when there is any environment
     vec4 object_environment[64]; // rgb: SH of environment radiance times phase function, object space
 };
@@ -33,8 +33,9 @@ void object_ray(vec2 pixel, out vec3 origin, out vec3 direction)
 float reference_depletion(float tau)
 {
     if (ratio.w == 0.0) return 0.0;
-    return (al_one_minus_exp(ratio.r * tau) + al_one_minus_exp(ratio.g * tau) + al_one_minus_exp(ratio.b * tau)) /
-           ratio.w;
+    float sum = al_one_minus_exp(ratio.r * tau) + al_one_minus_exp(ratio.g * tau) +
+                al_one_minus_exp(ratio.b * tau);
+    return sum / ratio.w;
 }
 
 #endif

@@ -62,7 +62,8 @@ vec3 shade_lights(Surface s, bool shadows)
     return sum;
 }
 
-// What the lobe reflects of even light from all sides: Karis's fit (2014, "Physically based shading on mobile").
+// What the lobe reflects of even light from all sides: Karis's fit (2014, "Physically based shading on
+// mobile").
 vec3 lobe_albedo(Surface s)
 {
     float seen = clamp(dot(s.normal, s.view), 0.0, 1.0);
@@ -78,7 +79,8 @@ vec3 shade_environment(Surface s)
     if (counts.z == 0) return vec3(0.0);
     vec3 lobe = lobe_albedo(s);
     vec3 irradiance = environment_bands(s.normal, vec3(AL_PI, 2.0 * AL_PI / 3.0, AL_PI / 4.0));
-    vec3 mirrored = environment_radiance(reflect(-s.view, s.normal), s.roughness * float(max(counts.w - 3, 0)));
+    float level = s.roughness * float(max(counts.w - 3, 0));
+    vec3 mirrored = environment_radiance(reflect(-s.view, s.normal), level);
     return (1.0 - lobe) * s.diffuse * irradiance / AL_PI + lobe * mirrored;
 }
 

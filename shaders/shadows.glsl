@@ -1,4 +1,5 @@
-// How much of a light arrives: opaque casters by shadow map, translucent ones by marching their baked density.
+// How much of a light arrives: opaque casters by shadow map, translucent ones by marching their baked
+// density.
 #ifndef AL_SHADOWS_GLSL
 #define AL_SHADOWS_GLSL
 
@@ -9,8 +10,8 @@ layout(binding = 0) uniform sampler2DArrayShadow shadow_maps;
 layout(binding = 8) uniform sampler3D caster_density[AL_CASTER_LIMIT];
 
 // Share of light `index` that passes the opaque casters on its way to `position`. `normal` is the receiver's,
-// or 0 for a point in a medium. The receiver is moved towards the light and along its normal by the size of the
-// texel it falls into, so that a surface does not shadow itself.
+// or 0 for a point in a medium. The receiver is moved towards the light and along its normal by the size of
+// the texel it falls into, so that a surface does not shadow itself.
 float opaque_visibility(int index, vec3 position, vec3 normal)
 {
     Light light = lights[index];
@@ -33,12 +34,11 @@ float opaque_visibility(int index, vec3 position, vec3 normal)
     // Half a texel from the edge, so that filtering never leaves the face.
     place = clamp(place, 0.5 / light.shadow.w, 1.0 - 0.5 / light.shadow.w);
     float layer = light.shadow.x + float(2 * axis + (along < 0.0 ? 1 : 0));
-    float depth = length(path) / light.shadow.y;
-    return depth > 1.0 ? texture(shadow_maps, vec4(place, layer, 1.0)) : texture(shadow_maps, vec4(place, layer, depth));
+    return texture(shadow_maps, vec4(place, layer, min(length(path) / light.shadow.y, 1.0)));
 }
 
-// The integral of the texture's density along the ray from `origin` over `reach`, in metres (object space is a
-// rigid motion away); 1e30 where a blocker is met. Midpoint rule, one step per voxel, at most 64.
+// The integral of the texture's density along the ray from `origin` over `reach`, in metres (object space is
+// a rigid motion away); 1e30 where a blocker is met. Midpoint rule, one step per voxel, at most 64.
 float caster_depth(int index, vec3 origin, vec3 direction, float reach)
 {
     Caster caster = casters[index];

@@ -1,15 +1,15 @@
 #version 450 core
 // The chord of the pixel's ray in one ball, its light added up.
 //
-// Marched view leg: between two knots of the interval map the transmittance T falls linearly by D_c in channel c;
-// behind the last but one it falls exponentially, for there little is left and where it is left matters. The part
-// of the chord in an interval adds J times
+// Marched view leg: between two knots of the interval map the transmittance T falls linearly by D_c in
+// channel c; behind the last but one it falls exponentially, for there little is left and where it is left
+// matters. The part of the chord in an interval adds J times
 //   (what T loses over the part) times (the mean of w exp(-a |x(t) - b|^2) over the part),
-// alpha the same with the reference transmittance and J = 1: summed over all samples, what the Gaussians should
-// have added up to and did not.
+// alpha the same with the reference transmittance and J = 1: summed over all samples, what the Gaussians
+// should have added up to and did not.
 //
-// AL_VIEW_SH and AL_UNITY: the plain integral of the Gaussian over the chord, from the front surface on to the
-// opaque surface (unity: inside the medium); alpha is the integral itself, in m.
+// AL_VIEW_SH and AL_UNITY: the plain integral of the Gaussian over the chord, from the front surface on to
+// the opaque surface (unity: inside the medium); alpha is the integral itself, in m.
 #extension GL_GOOGLE_include_directive : enable
 #include "formulas.glsl"
 #include "frame.glsl"
@@ -47,15 +47,16 @@ float alpha_of(Share share)
 #endif
 }
 
-// The mean of exp(-x^2) between x0 <= x1, given the error function at both. Short spans by their middle, where the
-// difference would cancel: relative error below d^2 |4 m^2 - 2| / 24 = 1e-3 and only far out.
+// The mean of exp(-x^2) between x0 <= x1, given the error function at both. Short spans by their middle,
+// where the difference would cancel: relative error below d^2 |4 m^2 - 2| / 24 = 1e-3 and only far out.
 float mean_gauss(float x0, float x1, float erf0, float erf1)
 {
     float d = x1 - x0, middle = 0.5 * (x0 + x1);
     return d > 0.03 ? 0.886226925452758 * max(erf1 - erf0, 0.0) / d : exp(-middle * middle);
 }
 
-// Share of the interval [low, high] that lies in [from, to]; a jump (low = high) counts whole when it is inside.
+// Share of the interval [low, high] that lies in [from, to]; a jump (low = high) counts whole when it is
+// inside.
 float overlap(float low, float high, float from, float to)
 {
     return high > low ? (to - from) / (high - low) : low >= from && low <= to ? 1.0 : 0.0;
@@ -92,8 +93,8 @@ void main()
     ta = max(ta, end.x);
     tb = min(tb, end.y);
     if (!(ta < tb)) discard;
-    // Group j holds the knots 4j+1 to 4j+4 but for the last one, which the ends hold; unused places repeat the
-    // last but one.
+    // Group j holds the knots 4j+1 to 4j+4 but for the last one, which the ends hold; unused places repeat
+    // the last but one.
     int count = sizes.y - 2, groups = (count + 3) / 4, j = 0;
     float low = end.x;
     vec4 group = vec4(low);

@@ -14,9 +14,9 @@ flat out vec4 shape;  // a in 1/m^2, radius squared, sqrt(a), weight
 flat out vec3 light;
 flat out vec3 slope; // of the light, relative, 1/m
 
-// Bounds along one screen axis. The planes x = s w that touch the ball of radius R about c fulfil
-// (r0.c - s r3.c)^2 = R^2 |n0 - s n3|^2 with r0, r3 the matrix's rows and n0, n3 their normals: a quadratic in s.
-// Only called for balls in front of the eye plane (r3.c > R |n3|), where the coefficient of s^2 is positive.
+// Bounds along one screen axis. The planes x = s w that touch the ball of radius R about c fulfil (r0.c - s
+// r3.c)^2 = R^2 |n0 - s n3|^2 with r0, r3 the matrix's rows and n0, n3 their normals: a quadratic in s. Only
+// called for balls in front of the eye plane (r3.c > R |n3|), where the coefficient of s^2 is positive.
 vec2 axis_bounds(vec4 row, vec4 depth_row, vec4 middle, float radius2)
 {
     float along = dot(row, middle), depth = dot(depth_row, middle);

@@ -1,7 +1,7 @@
 #version 450 core
-// Opaque: shaded radiance, normal and distance along the pixel's ray. AL_BOUNDARY: the boundary of a translucent
-// object, whose distance is negative where its back face comes first (the eye is inside) and whose light is the
-// reflected part alone, with the share that it reflects beside it.
+// Opaque: shaded radiance, normal and distance along the pixel's ray. AL_BOUNDARY: the boundary of a
+// translucent object, whose distance is negative where its back face comes first (the eye is inside) and
+// whose light is the reflected part alone, with the share that it reflects beside it.
 #extension GL_GOOGLE_include_directive : enable
 #include "shade.glsl"
 

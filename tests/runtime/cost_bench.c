@@ -77,6 +77,7 @@ int main(int argc, char **argv)
     const char *folder = stage_folder();
     printf("# %s\nwidth,samples,lights,frame_ms,passes\n", (const char *)glGetString(GL_RENDERER));
     static const uint32_t samples[] = {25000, 50001, 58297, 107833};
-    for (size_t i = 0; i < sizeof samples / sizeof samples[0]; i++) measure(folder, samples[i], (uint32_t)width, frames);
+    for (size_t i = 0; i < sizeof samples / sizeof samples[0]; i++)
+        measure(folder, samples[i], (uint32_t)width, frames);
     return 0;
 }

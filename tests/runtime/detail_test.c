@@ -1,4 +1,5 @@
-/* Prefixes of the samples, bands and levels of detail keep the brightness; the same input draws the same picture. */
+/* Prefixes of the samples, bands and levels of detail keep the brightness; the same input draws the same
+ * picture. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -48,7 +49,8 @@ static void test_prefixes(al_runtime *runtime)
         before = now;
     }
     settings.sample_limit = 0;
-    for (settings.sh_order = 3; settings.sh_order <= 5; settings.sh_order++) /* order 3 blurs the light's side */
+    for (settings.sh_order = 3; settings.sh_order <= 5;
+         settings.sh_order++) /* order 3 blurs the light's side */
         CHECK_NEAR(brightness(runtime, &view, &settings) / all, 1, 0.06);
 }
 
@@ -65,11 +67,12 @@ static double supersampled(al_runtime *runtime, float distance, const al_setting
     return sum;
 }
 
-/* Farther away fewer samples and bands are drawn; the picture's sum stays within 10 % of that of all of them (about
- * 300 of 8000 samples at last, 0.24 m apart in a mean free path of 0.5 m). */
+/* Farther away fewer samples and bands are drawn; the picture's sum stays within 10 % of that of all of them
+ * (about 300 of 8000 samples at last, 0.24 m apart in a mean free path of 0.5 m). */
 static void test_distance(al_runtime *runtime)
 {
-    const al_settings chosen = {.pass = AL_PASS_TRANSLUCENT}, full = {.pass = AL_PASS_TRANSLUCENT, .detail_off = true};
+    const al_settings chosen = {.pass = AL_PASS_TRANSLUCENT},
+                      full = {.pass = AL_PASS_TRANSLUCENT, .detail_off = true};
     uint64_t fewest = SAMPLES;
     for (float distance = 4; distance < 46; distance *= 1.5f) {
         double sum = supersampled(runtime, distance, &chosen);
@@ -89,15 +92,16 @@ static void test_formats(const char *folder, double wanted)
     static const double bounds[] = {0, 1e-3, 5e-3};
     al_view view = stage_ortho(EDGE, EDGE, 1.1f);
     for (int format = AL_COEFFICIENT_HALF; format <= AL_COEFFICIENT_BYTE; format++) {
-        al_runtime *runtime =
-            open_sphere(folder, &(sphere_options){.samples = SAMPLES, .format = (al_coefficient_format)format});
+        al_runtime *runtime = open_sphere(
+            folder, &(sphere_options){.samples = SAMPLES, .format = (al_coefficient_format)format});
         double sum = brightness(runtime, &view, &(al_settings){.pass = AL_PASS_TRANSLUCENT});
         CHECK_NEAR(sum / wanted, 1, bounds[format]);
         al_runtime_destroy(runtime);
     }
 }
 
-/* Three sets of equal coefficients with two extinctions that differ by next to nothing take the coloured path. */
+/* Three sets of equal coefficients with two extinctions that differ by next to nothing take the coloured
+ * path. */
 static void test_channels(const char *folder, double wanted)
 {
     al_view view = stage_ortho(EDGE, EDGE, 1.1f);

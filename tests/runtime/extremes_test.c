@@ -1,5 +1,5 @@
-/* The extremes: optical depths from 1e-6 to 1e4, eyes inside, no and 64 lights, no samples, one pixel, a large
- * view in tiles. Nothing may be negative or not finite; where a closed form exists it is met. */
+/* The extremes: optical depths from 1e-6 to 1e4, eyes inside, no and 64 lights, no samples, one pixel, a
+ * large view in tiles. Nothing may be negative or not finite; where a closed form exists it is met. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,8 +41,8 @@ static double middle_of(al_runtime *runtime, const al_view *view, const al_setti
     return sum;
 }
 
-/* Thin: L = albedo sigma chord E / (4 pi), whatever the depth; both view legs. The background loses 1 - exp(-tau)
- * in every case. */
+/* Thin: L = albedo sigma chord E / (4 pi), whatever the depth; both view legs. The background loses 1 -
+ * exp(-tau) in every case. */
 static void test_optical_depths(const char *folder)
 {
     al_view view = stage_ortho(EDGE, EDGE, 1.1f);
@@ -51,10 +51,12 @@ static void test_optical_depths(const char *folder)
         al_runtime *runtime = open_sphere(folder, &(sphere_options){.sigma_t = {sigma}, .samples = 1500}, 1);
         al_settings settings = {.surface_off = true};
         al_runtime_scene(runtime)->play.background[0] = 1;
-        for (settings.view_leg = AL_VIEW_LEG_MARCHED; settings.view_leg <= AL_VIEW_LEG_SH; settings.view_leg++) {
+        for (settings.view_leg = AL_VIEW_LEG_MARCHED; settings.view_leg <= AL_VIEW_LEG_SH;
+             settings.view_leg++) {
             settings.pass = AL_PASS_TRANSLUCENT;
             double scattered = middle_of(runtime, &view, &settings, 4), thin = 0.9 * sigma * 2 / (4 * AL_PI);
-            /* Marched: a voxel of 64 across; SH: the sum of the Gaussians along the chord is not divided out. */
+            /* Marched: a voxel of 64 across; SH: the sum of the Gaussians along the chord is not divided out.
+             */
             double bound = settings.view_leg == AL_VIEW_LEG_MARCHED ? 0.03 : 0.15;
             if (exponent <= -3) CHECK_NEAR(scattered / thin, 1, bound);
             CHECK(scattered < 0.9 / (8 * AL_PI) * 1.2); /* a half-space of it sends albedo E / (8 pi) back */
@@ -70,17 +72,19 @@ static void test_optical_depths(const char *folder)
 static void test_inside(const char *folder)
 {
     al_runtime *runtime = open_sphere(folder, &(sphere_options){.samples = 1500}, 2);
-    static const float eyes[][3] = {{0, 0, 0}, {0.3f, 0.2f, 0.1f}, {0, 0, 0.999f}, {0, 0, 1.0001f}, {0, 0, 1.02f}};
+    static const float eyes[][3] = {
+        {0, 0, 0}, {0.3f, 0.2f, 0.1f}, {0, 0, 0.999f}, {0, 0, 1.0001f}, {0, 0, 1.02f}};
     for (size_t i = 0; i < sizeof eyes / sizeof eyes[0]; i++) {
-        al_view view = stage_look(EDGE, EDGE, eyes[i], (float[3]){eyes[i][0], eyes[i][1], eyes[i][2] - 1}, 1.2f);
+        al_view view =
+            stage_look(EDGE, EDGE, eyes[i], (float[3]){eyes[i][0], eyes[i][1], eyes[i][2] - 1}, 1.2f);
         for (int pass = 0; pass < AL_PASS_COUNT; pass++)
             middle_of(runtime, &view, &(al_settings){.surface_off = true, .pass = (al_pass)pass}, 1);
         double seen = middle_of(runtime, &view, &(al_settings){.pass = AL_PASS_TRANSLUCENT}, 4);
         CHECK(seen > 0.005);
     }
-    /* From the middle outwards along -z with the sun in the back, at distance t from the eye: light came through
-     * 1 + t, goes back t: L = albedo sigma / (4 pi) times the integral of exp(-2 (1 + 2 t)), t from 0 to 1. The
-     * second light stands off by 3 m each in x and z, its share is taken out. */
+    /* From the middle outwards along -z with the sun in the back, at distance t from the eye: light came
+     * through 1 + t, goes back t: L = albedo sigma / (4 pi) times the integral of exp(-2 (1 + 2 t)), t from 0
+     * to 1. The second light stands off by 3 m each in x and z, its share is taken out. */
     al_runtime_scene(runtime)->lights[1].intensity[0] = 0;
     al_view view = stage_look(EDGE, EDGE, (float[3]){0, 0, 0}, (float[3]){0, 0, -1}, 0.1f);
     double seen = middle_of(runtime, &view, &(al_settings){.pass = AL_PASS_TRANSLUCENT}, 4);

@@ -1,4 +1,5 @@
-/* The formulas that shaders use, as C: against libm and quadrature, with the errors their comments promise. */
+/* The formulas that shaders use, as C: against libm and quadrature, with the errors their comments promise.
+ */
 #include "../test.h"
 #include "airlight/formulas.h"
 

@@ -9,16 +9,23 @@
 
 enum { KNOTS = 16, EDGE = 9 };
 
-/* Homogeneous medium of length L that starts at d1: transmittance falls in n - 1 equal steps. n = 16, no offset. */
+/* Homogeneous medium of length L that starts at d1: transmittance falls in n - 1 equal steps. n = 16, no
+ * offset. */
 static const struct {
     double start, sigma_t, length, depths[KNOTS];
 } oracle[] = {
-    {2, 0.5, 4, {2, 2.11874498033, 2.24498764304, 2.37973900606, 2.5242294615, 2.67997722598, 2.8488857647,
-                 3.03338627855, 3.23665284011, 3.46293972717, 3.71813504489, 4.01072186609, 4.35357001888,
-                 4.76760364305, 5.29034161426, 6}},
-    {0, 3, 2, {0, 0.0229386111441, 0.0475731899487, 0.0741746850658, 0.10308465466, 0.134742166471, 0.169724828731,
-               0.208814033318, 0.253103732467, 0.304193166254, 0.364555677426, 0.438320799753, 0.533190578306,
-               0.666306516778, 0.891312075289, 2}},
+    {2,
+     0.5,
+     4,
+     {2, 2.11874498033, 2.24498764304, 2.37973900606, 2.5242294615, 2.67997722598, 2.8488857647,
+      3.03338627855, 3.23665284011, 3.46293972717, 3.71813504489, 4.01072186609, 4.35357001888, 4.76760364305,
+      5.29034161426, 6}},
+    {0,
+     3,
+     2,
+     {0, 0.0229386111441, 0.0475731899487, 0.0741746850658, 0.10308465466, 0.134742166471, 0.169724828731,
+      0.208814033318, 0.253103732467, 0.304193166254, 0.364555677426, 0.438320799753, 0.533190578306,
+      0.666306516778, 0.891312075289, 2}},
 };
 
 /* A slab of `length` metres along z, its middle in the origin, in GRID voxels; 1 m wide. */
@@ -67,8 +74,8 @@ static void make_box(al_mesh *mesh, const float half[3])
     for (int i = 0; i < 36; i++) mesh->indices[i] = faces[i];
 }
 
-/* Draws the slab, its front `start` metres from the eye's plane, and reads the middle pixel's knots; answers the
- * march step in metres. */
+/* Draws the slab, its front `start` metres from the eye's plane, and reads the middle pixel's knots; answers
+ * the march step in metres. */
 static double read_knots(const char *folder, double start, double sigma_t, double length, bool colored,
                          double depths[KNOTS], double *tau)
 {
@@ -107,8 +114,10 @@ static void test_oracle(const char *folder)
     for (size_t i = 0; i < sizeof oracle / sizeof oracle[0]; i++) {
         double depths[KNOTS], tau, start = oracle[i].start > 0 ? oracle[i].start : 1;
         double step = read_knots(folder, start, oracle[i].sigma_t, oracle[i].length, false, depths, &tau);
-        /* A march step; the grid fades over half a voxel, a step, at its end, and as far over the last knot. */
-        for (int k = 0; k < KNOTS - 1; k++) CHECK_NEAR(depths[k] - start, oracle[i].depths[k] - oracle[i].start, step);
+        /* A march step; the grid fades over half a voxel, a step, at its end, and as far over the last knot.
+         */
+        for (int k = 0; k < KNOTS - 1; k++)
+            CHECK_NEAR(depths[k] - start, oracle[i].depths[k] - oracle[i].start, step);
         CHECK_NEAR(depths[KNOTS - 1] - start, oracle[i].length, 2 * step);
         CHECK_NEAR(tau, oracle[i].sigma_t * oracle[i].length, 0.01 * tau);
     }
@@ -141,7 +150,10 @@ static void test_colored(const char *folder)
         for (int i = 0; i < 60; i++) {
             double middle = 0.5 * (low + high), lost = 0;
             for (int c = 0; c < 3; c++) lost -= expm1(-sigma[c] * middle) / 3;
-            if (lost < total * k / (KNOTS - 1)) low = middle; else high = middle;
+            if (lost < total * k / (KNOTS - 1))
+                low = middle;
+            else
+                high = middle;
         }
         CHECK_NEAR(depths[k] - 1, low, step);
     }

@@ -58,8 +58,8 @@ static double at(const double *image, int x, int y)
     return image[3 * (y * EDGE + x)];
 }
 
-/* Light falls straight down through a coloured sphere of radius 0.5 onto a white floor seen from the side: its
- * radiance is E/pi times exp(-sigma_c * chord), E/pi beside the sphere. */
+/* Light falls straight down through a coloured sphere of radius 0.5 onto a white floor seen from the side:
+ * its radiance is E/pi times exp(-sigma_c * chord), E/pi beside the sphere. */
 static void test_tinted_shadow(fixture *f)
 {
     static double image[EDGE * EDGE * 3];
@@ -72,8 +72,8 @@ static void test_tinted_shadow(fixture *f)
     /* From below the sphere's side towards the floor's middle. */
     al_view view = stage_look(EDGE, EDGE, (float[3]){3, 0.3f, 0}, (float[3]){0, 0, 0}, 0.05f);
     average(f, &view, &(al_settings){.surface_off = true, .pass = AL_PASS_SURFACE}, 0, 1, image);
-    /* Trilinear voxels of 1/61 m lose at most a voxel's optical depth at both ends; the lobe of the index-matched
-     * white floor is nothing. */
+    /* Trilinear voxels of 1/61 m lose at most a voxel's optical depth at both ends; the lobe of the
+     * index-matched white floor is nothing. */
     for (int c = 0; c < 3; c++) CHECK_NEAR(image[3 * (EDGE / 2 * EDGE + EDGE / 2) + c], exp(-sigma[c]), 0.02);
     view = stage_look(EDGE, EDGE, (float[3]){3, 0.3f, 1.2f}, (float[3]){0, 0, 1.2f}, 0.05f);
     average(f, &view, &(al_settings){.surface_off = true, .pass = AL_PASS_SURFACE}, 0, 1, image);
@@ -88,7 +88,8 @@ static void test_opaque_shadow(fixture *f, al_light_type type)
     begin(f, &(sphere_options){.radius = 0.5f, .samples = 500});
     sphere_scene_add(&f->s, "sphere.air", 0.5f, (float[3]){0, 0, 0});
     sphere_scene_add_floor(&f->s, 3, (float[3]){0, 1.5f, 0});
-    sphere_scene_add_light(&f->s, type, type == AL_LIGHT_POINT ? (float[3]){0.1f, 3, 0} : (float[3]){0.05f, -1, 0}, 9);
+    sphere_scene_add_light(&f->s, type,
+                           type == AL_LIGHT_POINT ? (float[3]){0.1f, 3, 0} : (float[3]){0.05f, -1, 0}, 9);
     load(f);
     al_view view = stage_ortho(EDGE, EDGE, 0.6f);
     average(f, &view, &(al_settings){.pass = AL_PASS_TRANSLUCENT}, 0, 1, image);
@@ -140,7 +141,8 @@ static void test_background(fixture *f)
     al_view view = stage_ortho(EDGE, EDGE, 0.6f);
     average(f, &view, &plain, 0, 1, image);
     average(f, &view, &(al_settings){.pass = AL_PASS_TRANSLUCENT}, 0, 1, translucent);
-    CHECK_NEAR(at(image, EDGE / 2, EDGE / 2), 2 * exp(-3), 2 * exp(-3) * 0.1); /* a voxel at each end: 2 * 3 / 61 */
+    CHECK_NEAR(at(image, EDGE / 2, EDGE / 2), 2 * exp(-3),
+               2 * exp(-3) * 0.1); /* a voxel at each end: 2 * 3 / 61 */
     CHECK_NEAR(at(image, 1, 1), 2, 1e-6);
     CHECK(at(translucent, EDGE / 2, EDGE / 2) == 0); /* no light */
     average(f, &view, &(al_settings){.surface_off = true, .background_off = true}, 0, 1, image);
@@ -148,8 +150,8 @@ static void test_background(fixture *f)
     end(f);
 }
 
-/* A sphere whose far half is opaque: nothing shines through, the medium ends in its middle, the near half still
- * scatters, and the shadow below is black. */
+/* A sphere whose far half is opaque: nothing shines through, the medium ends in its middle, the near half
+ * still scatters, and the shadow below is black. */
 static void test_blockers(fixture *f)
 {
     static double image[EDGE * EDGE * 3];
@@ -166,7 +168,8 @@ static void test_blockers(fixture *f)
     CHECK(at(image, EDGE / 2, EDGE / 2) > 0);
     CHECK_NEAR(all, at(image, EDGE / 2, EDGE / 2), 1e-3 * all);
     average(f, &view, &(al_settings){.pass = AL_PASS_INTERVALS, .interval_count = 4}, 0, 1, image);
-    /* Of depth 1 the transmittance has fallen by 2/3 of its whole fall at 0.55 of the way from 4.5 m to 5 m. */
+    /* Of depth 1 the transmittance has fallen by 2/3 of its whole fall at 0.55 of the way from 4.5 m to 5 m.
+     */
     double third = -log(1 - (1 - exp(-1)) * 2 / 3) / 2;
     CHECK_NEAR(image[3 * (EDGE / 2 * EDGE + EDGE / 2) + 2], 4.5 + third, 1.0 / 61);
     view = stage_look(EDGE, EDGE, (float[3]){3, -0.1f, -0.25f}, (float[3]){0, -0.6f, -0.25f}, 0.05f);
@@ -175,18 +178,21 @@ static void test_blockers(fixture *f)
     end(f);
 }
 
-/* Even light L from all around, no absorption, optically thin: single scattering sends sigma_s * chord * L, less
- * what is lost on the way, below the optical depth 0.02. The same from the product with a forward lobe. */
+/* Even light L from all around, no absorption, optically thin: single scattering sends sigma_s * chord * L,
+ * less what is lost on the way, below the optical depth 0.02. The same from the product with a forward lobe.
+ */
 static void test_environment(fixture *f, float g)
 {
     static double image[EDGE * EDGE * 3];
-    begin(f, &(sphere_options){.radius = 0.5f, .sigma_t = {0.02f}, .albedo = 1, .g = g, .samples = 2000, .order = 8});
+    begin(f, &(sphere_options){
+                 .radius = 0.5f, .sigma_t = {0.02f}, .albedo = 1, .g = g, .samples = 2000, .order = 8});
     sphere_scene_add(&f->s, "sphere.air", 0.5f, (float[3]){0, 0, 0});
     for (int c = 0; c < 3; c++) f->s.scene.environment.sh[c][0] = (float)(3 * sqrt(4 * AL_PI));
     load(f);
     al_view view = stage_ortho(EDGE, EDGE, 0.6f);
     average(f, &view, &(al_settings){.surface_off = true, .pass = AL_PASS_TRANSLUCENT}, 0, 4, image);
-    CHECK_NEAR(at(image, EDGE / 2, EDGE / 2) / (3 * 0.02), 1, 0.03); /* losses, and a voxel of 2/61 of the chord */
+    CHECK_NEAR(at(image, EDGE / 2, EDGE / 2) / (3 * 0.02), 1,
+               0.03); /* losses, and a voxel of 2/61 of the chord */
     /* The background shines through, and all together stay at 3: nothing is absorbed. */
     average(f, &view, &plain, 0, 4, image);
     CHECK_NEAR(at(image, EDGE / 2, EDGE / 2), 3, 3 * 0.02 * 0.05);
@@ -226,7 +232,8 @@ static void test_motion(fixture *f)
     end(f);
 }
 
-/* The host's wall before the object hides it and keeps its colour; a wall through its middle hides the rest. */
+/* The host's wall before the object hides it and keeps its colour; a wall through its middle hides the rest.
+ */
 static void test_host_depth(fixture *f)
 {
     GLuint depth, color, framebuffer;
@@ -280,7 +287,8 @@ static void test_passes(fixture *f)
     CHECK(knots[0] < knots[1] && knots[1] < knots[2]);
     CHECK_NEAR(knots[0], 2.5, 0.02);
     average(f, &view, &(al_settings){.pass = AL_PASS_UNITY}, 0, 1, image);
-    /* Half of the outermost Gaussians lies outside: over a chord of 16 spacings s that takes 2 * 0.4 * 0.55 s. */
+    /* Half of the outermost Gaussians lies outside: over a chord of 16 spacings s that takes 2 * 0.4 * 0.55
+     * s. */
     CHECK_NEAR(at(image, EDGE / 2, EDGE / 2), 1 - 0.44 / 16, 0.05);
     end(f);
 }

@@ -30,8 +30,8 @@ static void gauss_legendre(double *nodes, double *weights)
 }
 
 /* SH of exp(-sigma * distance to the sphere) from `place`: zonal about the radial direction u, with
- * distance(mu) = -r mu + sqrt(R^2 - r^2 (1 - mu^2)). The zonal coefficient 2 pi int T P_l sqrt((2l+1)/4pi) dmu
- * spreads over m as sqrt(4 pi/(2l+1)) Y_lm(u), so that f_lm = 2 pi Y_lm(u) int T P_l dmu. */
+ * distance(mu) = -r mu + sqrt(R^2 - r^2 (1 - mu^2)). The zonal coefficient 2 pi int T P_l sqrt((2l+1)/4pi)
+ * dmu spreads over m as sqrt(4 pi/(2l+1)) Y_lm(u), so that f_lm = 2 pi Y_lm(u) int T P_l dmu. */
 static void project(int order, double sigma, double radius, const float place[3], float *out)
 {
     static double nodes[QUADRATURE], weights[QUADRATURE];
@@ -63,7 +63,8 @@ static uint16_t *make_grid(uint32_t n, double radius, double voxel)
             for (uint32_t x = 0; x < n; x++) {
                 int inside = 0;
                 for (int k = 0; k < 216; k++) {
-                    double px = corner + (x + (k % 6 + 0.5) / 6) * voxel, py = corner + (y + (k / 6 % 6 + 0.5) / 6) * voxel;
+                    double px = corner + (x + (k % 6 + 0.5) / 6) * voxel,
+                           py = corner + (y + (k / 6 % 6 + 0.5) / 6) * voxel;
                     double pz = corner + (z + (k / 36 + 0.5) / 6) * voxel;
                     inside += px * px + py * py + pz * pz < radius * radius;
                 }
@@ -105,10 +106,11 @@ static void fill_info(const sphere_options *o, al_translucent_info *info)
     info->volume_m3 = 4 * AL_PI / 3 * radius * radius * radius;
 }
 
-/* Positions are those of the additive sequence of the root of x^4 = x + 1 (Roberts 2018) that fall inside: every
- * prefix is well spread. Gaussians of s = 0.55 spacings, cut at 3.5 s, weighted so that they sum to one inside. */
-static void fill_samples(al_translucent_data *data, float *positions, float *gaussians,
-                         float *coefficients, uint32_t wanted)
+/* Positions are those of the additive sequence of the root of x^4 = x + 1 (Roberts 2018) that fall inside:
+ * every prefix is well spread. Gaussians of s = 0.55 spacings, cut at 3.5 s, weighted so that they sum to one
+ * inside. */
+static void fill_samples(al_translucent_data *data, float *positions, float *gaussians, float *coefficients,
+                         uint32_t wanted)
 {
     static const double step[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
     al_translucent_info *info = &data->info;
@@ -214,9 +216,14 @@ void sphere_scene_begin(sphere_scene *s)
         s->submeshes[i] = (al_submesh){0, s->meshes[i].index_count, i};
         s->meshes[i].submesh_count = 1;
         s->meshes[i].submeshes = &s->submeshes[i];
-        s->materials[i] = (al_material){.name = i ? "white" : "matched", .base_color = {1, 1, 1}, .roughness = 1,
-                                        .ior = 1, .double_sided = true, .base_color_texture = AL_NO_INDEX,
-                                        .emission_texture = AL_NO_INDEX, .metallic_roughness_texture = AL_NO_INDEX,
+        s->materials[i] = (al_material){.name = i ? "white" : "matched",
+                                        .base_color = {1, 1, 1},
+                                        .roughness = 1,
+                                        .ior = 1,
+                                        .double_sided = true,
+                                        .base_color_texture = AL_NO_INDEX,
+                                        .emission_texture = AL_NO_INDEX,
+                                        .metallic_roughness_texture = AL_NO_INDEX,
                                         .normal_texture = AL_NO_INDEX};
     }
     s->medium = (al_medium){.name = "medium", .sigma_s_per_m = {1, 1, 1}};
@@ -246,14 +253,15 @@ static al_instance *add_instance(sphere_scene *s, float scale, const float place
     return instance;
 }
 
-/* The mesh is as large as the asset says only for radius 1; a rigid instance cannot scale it, so the mesh does. */
+/* The mesh is as large as the asset says only for radius 1; a rigid instance cannot scale it, so the mesh
+ * does. */
 void sphere_scene_add(sphere_scene *s, const char *asset, float radius, const float place[3])
 {
     uint32_t index = s->scene.translucent_count++;
     for (uint32_t i = 0; index == 0 && i < 3 * s->meshes[0].vertex_count; i++)
         s->meshes[0].positions[i] = s->meshes[0].normals[i] * radius;
-    s->objects[index] = (al_translucent_object){.name = "sphere", .instance = s->scene.instance_count,
-                                                .asset = (char *)asset};
+    s->objects[index] = (al_translucent_object){
+        .name = "sphere", .instance = s->scene.instance_count, .asset = (char *)asset};
     al_instance *instance = add_instance(s, 1, place);
     instance->role = AL_ROLE_TRANSLUCENT;
     instance->translucent = index;

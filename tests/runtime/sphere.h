@@ -1,4 +1,5 @@
-/* Baked folders made from formulas: homogeneous spheres whose transmittance is known, and what stands around. */
+/* Baked folders made from formulas: homogeneous spheres whose transmittance is known, and what stands around.
+ */
 #ifndef AIRLIGHT_TEST_SPHERE_H
 #define AIRLIGHT_TEST_SPHERE_H
 
@@ -15,10 +16,10 @@ typedef struct sphere_options { /* zero: the value in brackets */
     bool blocked;               /* opaque matter fills the half z < 0 */
     float albedo;               /* (0.9) */
     float g;
-    uint32_t samples;           /* (4000) about as many */
-    uint32_t order;             /* (5) */
-    uint32_t grid;              /* voxels along an axis (64) */
-    uint32_t page_size;         /* (512) */
+    uint32_t samples;   /* (4000) about as many */
+    uint32_t order;     /* (5) */
+    uint32_t grid;      /* voxels along an axis (64) */
+    uint32_t page_size; /* (512) */
     al_coefficient_format format;
 } sphere_options;
 

@@ -9,8 +9,8 @@
 #include <string.h>
 #include <time.h>
 
-static void report(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length, const char *message,
-                   const void *user)
+static void report(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length,
+                   const char *message, const void *user)
 {
     (void)source, (void)id, (void)severity, (void)length, (void)user;
     if (type == GL_DEBUG_TYPE_ERROR) fprintf(stderr, "OpenGL: %s\n", message);
@@ -18,9 +18,15 @@ static void report(GLenum source, GLenum type, GLuint id, GLenum severity, GLsiz
 
 bool stage_open(void)
 {
-    static const EGLint wanted[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
-                                    EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                    EGL_CONTEXT_OPENGL_DEBUG, EGL_TRUE, EGL_NONE};
+    static const EGLint wanted[] = {EGL_CONTEXT_MAJOR_VERSION,
+                                    4,
+                                    EGL_CONTEXT_MINOR_VERSION,
+                                    5,
+                                    EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                    EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                    EGL_CONTEXT_OPENGL_DEBUG,
+                                    EGL_TRUE,
+                                    EGL_NONE};
     EGLDisplay display = eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
     if (display == EGL_NO_DISPLAY || !eglInitialize(display, NULL, NULL)) {
         display = eglGetDisplay(EGL_DEFAULT_DISPLAY);
@@ -28,7 +34,8 @@ bool stage_open(void)
     }
     if (!eglBindAPI(EGL_OPENGL_API)) return false;
     EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, wanted);
-    if (context == EGL_NO_CONTEXT || !eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context)) return false;
+    if (context == EGL_NO_CONTEXT || !eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context))
+        return false;
     glEnable(GL_DEBUG_OUTPUT);
     glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
     glDebugMessageCallback(report, NULL);

@@ -7,7 +7,8 @@
 
 #include "airlight/runtime.h"
 
-/* Makes a surfaceless EGL context of core 4.5 current; false when there is none. Kept until the process ends. */
+/* Makes a surfaceless EGL context of core 4.5 current; false when there is none. Kept until the process ends.
+ */
 bool stage_open(void);
 
 /* Symmetric perspective view from `eye` at `target`, +y up; fov in radians, vertical. */
@@ -18,11 +19,12 @@ al_view stage_ortho(uint32_t width, uint32_t height, float half);
 /* Updates until everything is loaded; false on an error, which is printed. */
 bool stage_load(al_runtime *runtime, const char *folder);
 
-/* Draws a frame and answers its pixels, [height][width][3], first row at the bottom; to be freed. NULL on an error,
- * which is printed. depth: 0, or a depth texture as al_runtime_draw takes it. */
+/* Draws a frame and answers its pixels, [height][width][3], first row at the bottom; to be freed. NULL on an
+ * error, which is printed. depth: 0, or a depth texture as al_runtime_draw takes it. */
 float *stage_draw(al_runtime *runtime, const al_view *view, const al_settings *settings, uint32_t depth);
 
-/* A new empty folder under the temporary one, removed at exit; once a process. NULL when it cannot be made. */
+/* A new empty folder under the temporary one, removed at exit; once a process. NULL when it cannot be made.
+ */
 const char *stage_folder(void);
 
 /* How many numbers are not finite or negative. */

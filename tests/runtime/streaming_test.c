@@ -1,5 +1,5 @@
-/* Loading while drawing: a first picture from a prefix, the byte budget, failures said once, loading anew, and what
- * the runtime says about itself. */
+/* Loading while drawing: a first picture from a prefix, the byte budget, failures said once, loading anew,
+ * and what the runtime says about itself. */
 #include <epoxy/gl.h>
 #include <stdlib.h>
 #include <string.h>
