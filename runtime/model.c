@@ -7,32 +7,25 @@
 
 enum { VERTEX_FLOATS = 8 };
 
-static al_status upload_mesh(al_runtime *runtime, const al_mesh *mesh, al_model_mesh *out, al_error *error)
+/* Interleaves the mesh's vertices and finds their box. */
+static void pack_vertices(const al_mesh *mesh, float *vertices, al_model_mesh *out)
 {
-    float *vertices = NULL;
-    uint64_t size = (uint64_t)mesh->vertex_count * VERTEX_FLOATS * sizeof(float);
-    al_status status = AL_OK;
-    if (!mesh->vertex_count || !mesh->index_count) return AL_OK;
-    vertices = malloc(size);
-    if (!vertices)
-        return al_fail(error, AL_IO, "%s: no memory for %u vertices", mesh->name, mesh->vertex_count);
     for (int k = 0; k < 3; k++) out->low[k] = INFINITY, out->high[k] = -INFINITY;
-    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
-        float *v = vertices + (size_t)i * VERTEX_FLOATS;
-        memcpy(v, mesh->positions + 3 * (size_t)i, 3 * sizeof *v);
-        memcpy(v + 3, mesh->normals + 3 * (size_t)i, 3 * sizeof *v);
-        v[6] = mesh->uv0 ? mesh->uv0[2 * (size_t)i] : 0;
-        v[7] = mesh->uv0 ? mesh->uv0[2 * (size_t)i + 1] : 0;
+    for (size_t i = 0; i < mesh->vertex_count; i++) {
+        float *v = vertices + i * VERTEX_FLOATS;
+        memcpy(v, mesh->positions + 3 * i, 3 * sizeof *v);
+        memcpy(v + 3, mesh->normals + 3 * i, 3 * sizeof *v);
+        v[6] = mesh->uv0 ? mesh->uv0[2 * i] : 0;
+        v[7] = mesh->uv0 ? mesh->uv0[2 * i + 1] : 0;
         for (int k = 0; k < 3; k++) {
             out->low[k] = fminf(out->low[k], v[k]);
             out->high[k] = fmaxf(out->high[k], v[k]);
         }
     }
-    status = al_gl_buffer_create(&runtime->memory, size, vertices, &out->vertices, error);
-    if (!status)
-        status = al_gl_buffer_create(&runtime->memory, (uint64_t)mesh->index_count * sizeof(uint32_t),
-                                     mesh->indices, &out->indices, error);
-    if (status) goto cleanup;
+}
+
+static void make_vertex_array(al_model_mesh *out)
+{
     glCreateVertexArrays(1, &out->vertex_array);
     glVertexArrayVertexBuffer(out->vertex_array, 0, out->vertices.id, 0, VERTEX_FLOATS * sizeof(float));
     glVertexArrayElementBuffer(out->vertex_array, out->indices.id);
@@ -42,7 +35,21 @@ static al_status upload_mesh(al_runtime *runtime, const al_mesh *mesh, al_model_
                                   attribute * 3 * (GLuint)sizeof(float));
         glVertexArrayAttribBinding(out->vertex_array, attribute, 0);
     }
-cleanup:
+}
+
+static al_status upload_mesh(al_runtime *runtime, const al_mesh *mesh, al_model_mesh *out, al_error *error)
+{
+    uint64_t size = (uint64_t)mesh->vertex_count * VERTEX_FLOATS * sizeof(float);
+    if (!mesh->vertex_count || !mesh->index_count) return AL_OK;
+    float *vertices = malloc(size);
+    if (!vertices)
+        return al_fail(error, AL_IO, "%s: no memory for %u vertices", mesh->name, mesh->vertex_count);
+    pack_vertices(mesh, vertices, out);
+    al_status status = al_gl_buffer_create(&runtime->memory, size, vertices, &out->vertices, error);
+    if (!status)
+        status = al_gl_buffer_create(&runtime->memory, (uint64_t)mesh->index_count * sizeof(uint32_t),
+                                     mesh->indices, &out->indices, error);
+    if (!status) make_vertex_array(out);
     free(vertices);
     return status;
 }

@@ -70,9 +70,9 @@ void main()
     vec3 path = center - origin;
     float middle = dot(path, direction);
     vec3 across = path - middle * direction;
-    float rho2 = dot(across, across), half2 = shape.y - rho2;
-    if (!(half2 > 0.0)) discard;
-    float extent = sqrt(half2), ta = middle - extent, tb = middle + extent;
+    float rho2 = dot(across, across), chord2 = shape.y - rho2;
+    if (!(chord2 > 0.0)) discard;
+    float extent = sqrt(chord2), ta = middle - extent, tb = middle + extent;
     float profile = shape.w * exp(-shape.x * rho2);
 
 #if defined(AL_VIEW_SH) || defined(AL_UNITY)
