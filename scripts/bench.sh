@@ -47,7 +47,7 @@ for directions in 32 128 512; do
 done
 
 echo "## Frames: lights and samples"
-"$bin/runtime_cost_bench"
+"$bin/runtime_cost_bench" 192 5
 
 echo "## Streaming, a million samples"
 scene 2 1000000 32 >"$folder/scene.json"
