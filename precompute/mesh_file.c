@@ -80,6 +80,20 @@ static void file_close(struct aiFileIO *io, struct aiFile *file)
     free(file);
 }
 
+/* assimp takes a line end that happens to begin a PLY file's binary data for one of the header: it is given one
+ * more to take. There is room: zeros follow the bytes. */
+static void double_line_end(open_file *file)
+{
+    static const char end[] = "end_header\n";
+    if (file->size < 4 || memcmp(file->bytes, "ply", 3)) return;
+    const char *header = (const char *)file->bytes, *last = strstr(header, end); /* zeros end the bytes */
+    if (!last || !strstr(header, "format binary") || strstr(header, "format binary") > last) return;
+    size_t data = (size_t)(last - header) + sizeof end - 1;
+    if (data >= file->size || file->bytes[data] != '\n') return;
+    memmove(file->bytes + data + 1, file->bytes + data, file->size - data);
+    file->size++;
+}
+
 static struct aiFile *file_open(struct aiFileIO *io, const char *path, const char *mode)
 {
     file_source *source = (file_source *)(void *)io->UserData;
@@ -92,6 +106,7 @@ static struct aiFile *file_open(struct aiFileIO *io, const char *path, const cha
         free(file);
         return NULL;
     }
+    double_line_end(opened);
     *file =
         (struct aiFile){file_read, file_write, file_tell, file_size, file_seek, file_flush, (char *)opened};
     return file;

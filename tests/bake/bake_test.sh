@@ -69,6 +69,31 @@ same cut
 [ ! -e "$work/cut/object.translucent.air.partial" ] || wrong "unfinished work is left behind"
 echo "$interrupted interruptions"
 
+# Names that would make the same file name keep assets of their own; a binary PLY whose first byte is a line end.
+one='\000\000\200\077' zero='\000\000\000\000' line_end='\012\012\043\075'
+{
+    printf 'ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n'
+    printf 'element face 4\nproperty list uchar uchar vertex_indices\nend_header\n'
+    printf "$line_end$zero$zero$one$zero$zero$zero$one$zero$zero$zero$one"
+    printf '\003\000\002\001\003\000\001\003\003\001\002\003\003\000\003\002'
+} >"$work/line_end.ply"
+cat >"$work/names.json" <<'SCENE'
+{
+  "meshes": [
+    {"name": "ball", "shape": {"type": "sphere", "radius_m": 0.5, "subdivisions": 2}},
+    {"name": "corner", "file": "line_end.ply"}
+  ],
+  "media": [{"name": "jelly", "sigma_s_per_m": 1, "sigma_a_per_m": 0}],
+  "translucents": [
+    {"name": "a/b", "mesh": "ball", "medium": "jelly"},
+    {"name": "a_b", "mesh": "corner", "medium": "jelly"}
+  ],
+  "bake": {"directions": 8, "grid_resolution": 8, "samples": 20, "sh_order": 2}
+}
+SCENE
+run 0 "$bin/airlight-bake" "$work/names.json" -o "$work/names" --quiet
+[ "$(find "$work/names" -name '*.translucent.air' | wc -l)" = 2 ] || wrong "two objects share an asset"
+
 run 0 "$bin/airlight-bake" "$work/scene.json" --plan
 grep -q '"colour channels"' "$work/stdout" || wrong "the plan does not speak of colour channels"
 run 2 "$bin/airlight-bake" "$work/scene.json"
