@@ -22,7 +22,7 @@ static al_status check(const al_view *view, const al_settings *settings, al_erro
     if (settings->interval_count && !in_range(settings->interval_count, 4, AL_KNOT_LIMIT))
         return al_fail(error, AL_USAGE, "settings: %u interval knots; use 4 to %d, or 0 for 16",
                        settings->interval_count, AL_KNOT_LIMIT);
-    if (settings->march_voxels != 0 && !in_range(settings->march_voxels, 0.01, 100))
+    if (settings->march_voxels != 0 && !in_range(settings->march_voxels, 0.01f, 100))
         return al_fail(error, AL_USAGE, "settings: march step of %g voxels; use 0.01 to 100, or 0 for 0.5",
                        (double)settings->march_voxels);
     if (settings->sh_order > 8)

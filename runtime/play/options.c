@@ -147,6 +147,6 @@ al_status al_play_camera(const al_play_options *options, const al_scene *scene, 
     }
     if (*camera) return AL_OK;
     if (!options->camera) return al_fail(error, AL_BAD_INPUT, "%s: the scene has no camera", options->folder);
-    return al_fail(error, AL_BAD_INPUT, "%s: no camera is named '%s'; there are: %s", options->folder,
+    return al_fail(error, AL_USAGE, "%s: no camera is named '%s'; there are: %s", options->folder,
                    options->camera, names);
 }

@@ -85,7 +85,7 @@ fails 2 "--view-leg takes marched or sh" play --view-leg nonsense
 fails 2 "b.jpg" play --out "$work/b.jpg"
 fails 2 "--size" play --size 0x10
 fails 2 "--size" play --size 8193x10
-fails 3 "front, top" play --camera nonsense
+fails 2 "front, top" play --camera nonsense
 
 # --watch draws again when the folder changes, and ends well when it is stopped.
 "$bin/airlight-play" "$work/baked" --headless --size 48x32 --watch --out "$work/w.exr" 2>"$work/watch" &
