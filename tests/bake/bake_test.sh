@@ -29,7 +29,9 @@ same() {
     done
 }
 
+started=$(date +%s%N)
 run 0 bake plain
+whole_ms=$((($(date +%s%N) - started) / 1000000))
 run 0 "$bin/airlight-inspect" --check "$work/plain/object.translucent.air"
 run 0 bake one --threads 1 && same one
 run 0 bake three --threads 3 && same three
@@ -42,22 +44,30 @@ run 0 bake plain
 grep -q "up to date" "$work/stderr" || wrong "does not say that assets are up to date"
 [ "$(grep -c '"bytes_written"' "$work/plain/report.json")" = 1 ] || wrong "the report of an idle run lists steps"
 
-# Interrupted again and again: code 130, no asset half-written, and in the end the same bytes.
+# Interrupted again and again: code 130, no asset half-written, and in the end the same bytes. Each round waits for a
+# share of what the whole bake took; a bake that was done before its first interruption begins anew with less.
 mkdir "$work/cut"
 rounds=0
 interrupted=0
+share=60
 while [ ! -f "$work/cut/scene.air" ] && [ $rounds -lt 60 ]; do
     rounds=$((rounds + 1))
     "$bin/airlight-bake" "$work/scene.json" -o "$work/cut" --quiet 2>"$work/stderr" &
     pid=$!
-    sleep "$((rounds % 2)).$((rounds % 5 + 4))"
+    sleep "$(awk -v ms=$whole_ms -v share=$share 'BEGIN { print ms * share / 100000 }')"
     kill -TERM $pid 2>/dev/null # as Ctrl-C; a script's background jobs ignore SIGINT until they say otherwise
     code=0
     wait $pid || code=$?
     case $code in
-    0) ;;
+    0)
+        if [ $interrupted = 0 ]; then
+            rm -rf "$work/cut"
+            mkdir "$work/cut"
+            share=$((share * 3 / 4 + 1))
+        fi
+        ;;
     130) interrupted=$((interrupted + 1)) ;;
-    143) ;; # before the program had begun
+    143) share=$((share + 5)) ;; # before the program had begun
     *) wrong "interrupted bake ends with $code: $(cat "$work/stderr")" ;;
     esac
     [ ! -e "$work/cut/object.translucent.air" ] || cmp "$work/plain/object.translucent.air" "$work/cut/object.translucent.air" ||
