@@ -1,7 +1,9 @@
 /* The library's life: create, load, update, and what it answers about itself. */
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "matrix.h"
 #include "state.h"
@@ -115,6 +117,9 @@ al_status al_runtime_load(al_runtime *runtime, const char *folder, al_error *err
     if (snprintf(path, sizeof path, "%s/scene.air", folder) >= (int)sizeof path)
         return al_fail(error, AL_USAGE, "%s: the path is longer than %zu characters", folder,
                        sizeof path - 11);
+    if (access(path, F_OK) && errno == ENOENT)
+        return al_fail(error, AL_BAD_INPUT, "%s: no scene.air in it; airlight-bake SCENE.json -o %s makes it",
+                       folder, folder);
     al_status status = al_file_open(path, &options, &file, error);
     if (status) return status;
     status = al_scene_read(file, &scene, error);

@@ -8,7 +8,7 @@ libjansson-dev libxxhash-dev libpng-dev libopenexr-dev
 libassimp-dev libopenvdb-dev libboost-dev libembree-dev libtbb-dev libtet1.5-dev libstb-dev
 ocl-icd-opencl-dev pocl-opencl-icd
 libepoxy-dev libegl-dev libgl-dev libegl1 libgl1 libgl1-mesa-dri libglfw3-dev libcglm-dev libglm-dev libimgui-dev
-xvfb xdotool
+xvfb xdotool libx11-dev
 "
 
 missing() {

@@ -58,30 +58,47 @@ static void use_camera(player *p, int index)
     p->camera = p->applied_camera = index;
 }
 
-/* Opens a folder, or the folder a dropped file lies in. Keeps the eye where it is when `again`. */
-static al_status open_folder(player *p, const char *path, bool again, al_error *error)
+/* The folder `path` names, or the one the file lies in. */
+static al_status folder_of(const char *path, char *folder, size_t size, al_error *error)
 {
     struct stat about;
-    char folder[sizeof p->folder];
-    snprintf(folder, sizeof folder, "%s", path);
+    if (snprintf(folder, size, "%s", path) >= (int)size)
+        return al_fail(error, AL_BAD_INPUT, "%s: the path is longer than %zu characters", path, size - 1);
+    if (stat(path, &about) || S_ISDIR(about.st_mode)) return AL_OK;
     char *slash = strrchr(folder, '/');
-    if (!stat(folder, &about) && !S_ISDIR(about.st_mode)) {
-        if (slash)
-            *slash = 0;
-        else
-            strcpy(folder, ".");
-    }
-    al_status status = al_runtime_load(p->runtime, folder, error);
+    if (slash)
+        slash[slash == folder] = 0; /* keeps "/" */
+    else
+        strcpy(folder, ".");
+    return AL_OK;
+}
+
+/* What was open stays when there is no scene to open. Moves neither the eye nor the exposure. */
+static al_status open_folder(player *p, const char *path, al_error *error)
+{
+    char folder[sizeof p->folder], title[sizeof p->folder + 16];
+    al_status status = folder_of(path, folder, sizeof folder, error);
+    if (!status) status = al_runtime_load(p->runtime, folder, error);
     if (status) return status;
     memcpy(p->folder, folder, sizeof folder);
+    snprintf(title, sizeof title, "%s - airlight", folder);
+    glfwSetWindowTitle(p->window, title);
     al_watch_begin(&p->watch, folder, glfwGetTime());
     const al_scene *scene = al_runtime_scene(p->runtime);
-    const al_camera *camera;
     p->load = (al_load_state){0};
     p->message[0] = 0;
     p->bounds = al_bounds_of_scene(scene);
     if (p->camera >= (int)scene->camera_count) p->camera = p->applied_camera = -1;
-    if (again) return AL_OK;
+    return AL_OK;
+}
+
+static al_status open_first_folder(player *p, al_error *error)
+{
+    const al_camera *camera;
+    if (!p->options->folder) return AL_OK;
+    al_status status = open_folder(p, p->options->folder, error);
+    if (status) return status;
+    const al_scene *scene = al_runtime_scene(p->runtime);
     p->exposure_ev = (float)al_play_exposure(p->options, scene);
     status = al_play_camera(p->options, scene, &camera, error);
     if (!status) use_camera(p, (int)(camera - scene->cameras));
@@ -92,7 +109,7 @@ static void reload_when_changed(player *p)
 {
     al_error error;
     if (!p->options->watch || !*p->folder || !al_watch_changed(&p->watch, p->folder, glfwGetTime())) return;
-    if (open_folder(p, p->folder, true, &error)) show_message(p, &error);
+    if (open_folder(p, p->folder, &error)) show_message(p, &error);
 }
 
 /* --- what the user does --- */
@@ -101,7 +118,14 @@ static void on_drop(GLFWwindow *window, int count, const char **paths)
 {
     player *p = glfwGetWindowUserPointer(window);
     al_error error;
-    if (count > 0 && open_folder(p, paths[0], false, &error)) show_message(p, &error);
+    if (count < 1) return;
+    if (open_folder(p, paths[0], &error)) {
+        show_message(p, &error);
+        return;
+    }
+    p->exposure_ev = (float)al_play_exposure(p->options, al_runtime_scene(p->runtime));
+    use_camera(p, 0);
+    al_program_say(p->program, "opened %s", p->folder);
 }
 
 static void on_scroll(GLFWwindow *window, double x, double y)
@@ -313,7 +337,7 @@ static al_status run(player *p, al_error *error)
     al_status status = open_window(p, error);
     if (!status) status = al_runtime_create(NULL, &p->runtime, error);
     if (!status) status = al_present_create(&p->present, error);
-    if (!status && p->options->folder) status = open_folder(p, p->options->folder, false, error);
+    if (!status) status = open_first_folder(p, error);
     p->last_s = glfwGetTime();
     while (!status && !glfwWindowShouldClose(p->window) && !al_program_cancelled()) status = frame(p, error);
     return status;

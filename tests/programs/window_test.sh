@@ -1,5 +1,5 @@
 #!/bin/sh
-# window_test.sh BIN: airlight-play in a window of a virtual X server, driven by keys and mouse.
+# window_test.sh BIN: airlight-play in a window of a virtual X server, driven by keys, mouse and dropped folders.
 set -eu
 bin=$1
 . "$(dirname "$0")/expect.sh"
@@ -17,6 +17,12 @@ cat >"$work/scene.json" <<'JSON'
 }
 JSON
 run 0 "$bin/airlight-bake" "$work/scene.json" -o "$work/baked" --quiet
+# Another colour behind another object, in a folder whose name a URI has to escape.
+sed -e 's/0.1, 0.2, 0.3/3, 1, 0.5/' -e 's/"radius_m": 0.5/"radius_m": 0.3/' "$work/scene.json" >"$work/other.json"
+run 0 "$bin/airlight-bake" "$work/other.json" -o "$work/other 100%" --quiet
+for name in baked "other 100%"; do
+    run 0 "$bin/airlight-play" "$work/$name" --headless --size 640x480 --out "$work/$name.exr"
+done
 [ "$failures" = 0 ] || finish
 
 # The server picks a free display number and writes it to descriptor 3.
@@ -32,7 +38,7 @@ export DISPLAY
 cd "$work"
 "$bin/airlight-play" "$work/baked" --size 640x480 >"$work/out" 2>"$work/err" &
 player=$!
-window=$(timeout 60 xdotool search --sync --onlyvisible --name '^airlight$' | head -n 1)
+window=$(timeout 60 xdotool search --sync --onlyvisible --name 'baked - airlight$' | head -n 1)
 xdotool windowfocus "$window" 2>/dev/null || true
 
 # wrote NUMBER: waits for the screenshot.
@@ -52,6 +58,48 @@ sleep 0.5
 xdotool key p
 wrote 0002
 run 1 "$bin/airlight-compare" airlight-0001.exr airlight-0002.exr --fail-above max_abs=1e-3
+
+# says WORDS NUMBER: waits until standard error has NUMBER lines, the last with WORDS.
+says() {
+    for i in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do
+        [ "$(wc -l <err)" -ge "$2" ] && break
+        sleep 0.5
+    done
+    [ "$(wc -l <err)" = "$2" ] || wrong "$(wc -l <err) lines on standard error, not $2: $(cat err)"
+    tail -n 1 err | grep -qF -e "$1" || wrong "does not say '$1': $(cat err)"
+}
+# shows NAME NUMBER: screenshot NUMBER shows the folder, but for the jitter of the march.
+shows() {
+    xdotool key p
+    wrote "$2"
+    run 0 "$bin/airlight-compare" "airlight-$2.exr" "$1.exr" --fail-above relative_rmse=0.02
+    xdotool getwindowname "$window" | grep -q "$1 - airlight\$" || wrong "the title is $(xdotool getwindowname "$window")"
+}
+xdotool key 1
+shows baked 0003
+says 0003.png 3
+# What is no baked folder is refused in one line, and the picture stays.
+mkdir "$work/empty"
+run 0 "$bin/programs_drop" "$window" "$work/empty"
+says "$work/empty: no scene.air" 4
+shows baked 0004
+run 0 "$bin/programs_drop" "$window" "$work/scene.json"
+says "no scene.air" 6
+cut=$work/cut
+mkdir "$cut"
+head -c 1000 baked/scene.air >"$cut/scene.air"
+run 0 "$bin/programs_drop" "$window" "$cut"
+says "cut/scene.air" 7
+shows baked 0005
+# A baked folder, or a file in it, is opened.
+run 0 "$bin/programs_drop" "$window" "$work/other 100%"
+says "opened $work/other 100%" 9
+shows "other 100%" 0006
+run 0 "$bin/programs_drop" "$window" "$work/baked/scene.air"
+says "opened $work/baked" 11
+shows baked 0007
+run 1 "$bin/airlight-compare" baked.exr "other 100%.exr" --fail-above relative_rmse=0.1
+
 xdotool key Escape
 wait "$player" || wrong "the player ends with $?"
 finish

@@ -104,7 +104,7 @@ static void test_reload(const char *folder)
     double seen = brightness(runtime);
     uint64_t memory = al_runtime_memory(runtime);
     CHECK(al_runtime_load(runtime, "/nowhere", &error) == AL_BAD_INPUT);
-    CHECK(strstr(error.message, "/nowhere/scene.air") != NULL);
+    CHECK(strstr(error.message, "/nowhere: no scene.air") != NULL);
     CHECK_NEAR(brightness(runtime), seen, 0.01 * seen);
     CHECK(stage_load(runtime, folder));
     CHECK_NEAR(brightness(runtime), seen, 0.01 * seen);
