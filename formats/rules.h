@@ -56,7 +56,9 @@
     RULE(AL_RULE_SCENE_CAMERA, 313, "a camera does not stand on its target and has an up direction") \
     RULE(AL_RULE_SCENE_CAMERAS, 314, "there is at least one camera") \
     RULE(AL_RULE_SCENE_ENVIRONMENT, 315, "ENVM holds the pixels of the environment, if there is one") \
-    RULE(AL_RULE_SCENE_GEOMETRY_PADDING, 316, "bytes between the arrays of a GEOM chunk are zero")
+    RULE(AL_RULE_SCENE_GEOMETRY_PADDING, 316, "bytes between the arrays of a GEOM chunk are zero") \
+    RULE(AL_RULE_SCENE_LIGHTING, 317, "only opaque instances are lit by a lightmap or probes") \
+    RULE(AL_RULE_SCENE_FOG, 318, "a fog has its lower bounds below the upper ones, or none and zeros")
 
 #define AL_RULE_ENUM(name, number, text) name = number,
 enum al_rule { AL_RULES(AL_RULE_ENUM) };

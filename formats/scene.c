@@ -127,6 +127,24 @@ static const al_field instance_fields[] = {
     FREE(al_instance, world, 16),
 };
 
+static const al_field lighting_fields[] = {
+    U32(al_instance, lighting, AL_LIGHTING_DYNAMIC, AL_LIGHTING_PROBES),
+};
+
+static const al_field fog_fields[] = {
+    INDEX(al_fog, medium),
+    BOOL(al_fog, bounded),
+    FREE(al_fog, bounds_min_m, 3),
+    FREE(al_fog, bounds_max_m, 3),
+    F32(al_fog, density, 1, 0, FLT_MAX),
+    TEXT(al_fog, asset),
+};
+
+static const al_field baked_fields[] = {
+    TEXT(al_baked_light, lightmap),
+    TEXT(al_baked_light, probes),
+};
+
 static const al_field medium_fields[] = {
     TEXT(al_medium, name),
     F32(al_medium, sigma_s_per_m, 3, 0, FLT_MAX),
@@ -171,11 +189,15 @@ static const al_record medium_record = RECORD("MEDI", al_medium, medium_fields);
 static const al_record translucent_record = RECORD("TRAN", al_translucent_object, translucent_fields);
 static const al_record light_record = RECORD("LITE", al_light, light_fields);
 static const al_record camera_record = RECORD("CAMR", al_camera, camera_fields);
+static const al_record lighting_record = RECORD("INLI", al_instance, lighting_fields);
+static const al_record fog_record = RECORD("FOGS", al_fog, fog_fields);
+static const al_record baked_record = RECORD("BAKD", al_baked_light, baked_fields);
 
 static const al_chunk_rules chunks[] = {
     {"TEXT", 1, 1, 1}, {"SCEN", 1, 1, 1}, {"TEXR", 1, 1, 1}, {"MATL", 1, 1, 1}, {"MESH", 1, 1, 1},
     {"SUBM", 1, 1, 1}, {"INST", 1, 1, 1}, {"MEDI", 1, 1, 1}, {"TRAN", 1, 1, 1}, {"LITE", 1, 1, 1},
-    {"CAMR", 1, 1, 1}, {"GEOM", 1, 0, 0}, {"PIXL", 1, 0, 0}, {"ENVM", 1, 0, 1}, {"PROV", 1, 0, 1},
+    {"CAMR", 1, 1, 1}, {"GEOM", 1, 0, 0}, {"PIXL", 1, 0, 0}, {"ENVM", 1, 0, 1}, {"INLI", 1, 0, 1},
+    {"FOGS", 1, 0, 1}, {"BAKD", 1, 0, 1}, {"PROV", 1, 0, 1},
 };
 
 /* --- the arrays of a mesh, each at a multiple of 64 in its GEOM chunk --- */
@@ -249,6 +271,48 @@ static void *read_records(reader *r, const al_record *record, uint32_t count)
     else
         al_report_out_of_memory(r->report);
     return values;
+}
+
+/* The same for a chunk that may be absent and says by its size how many records it has. */
+static void *read_optional_records(reader *r, const al_record *record, uint32_t *count)
+{
+    const uint8_t *bytes;
+    size_t size, stride = al_record_size(record);
+    *count = 0;
+    if (al_file_find(r->file, record->type, 0) < 0) return NULL;
+    if (!chunk_data(r, record->type, &bytes, &size)) return NULL;
+    if (size % stride || size / stride > COUNT_LIMIT) {
+        al_report_finding(r->report, AL_RULE_RECORD_SIZE, "%s: has %zu bytes, no multiple of %zu",
+                          record->type, size, stride);
+        return NULL;
+    }
+    void *values = read_records(r, record, (uint32_t)(size / stride));
+    if (values) *count = (uint32_t)(size / stride);
+    return values;
+}
+
+static void read_lighting(reader *r)
+{
+    uint32_t count;
+    al_instance *read = read_optional_records(r, &lighting_record, &count);
+    if (read && count != r->scene->instance_count)
+        al_report_finding(r->report, AL_RULE_RECORD_SIZE,
+                          "INLI: has %" PRIu32 " records, there are %" PRIu32 " instances", count,
+                          r->scene->instance_count);
+    else
+        for (uint32_t i = 0; i < count; i++) r->scene->instances[i].lighting = read[i].lighting;
+}
+
+static void read_baked(reader *r)
+{
+    uint32_t count;
+    const al_baked_light *read = read_optional_records(r, &baked_record, &count);
+    r->scene->baked = (al_baked_light){"", ""};
+    if (read && count != 1)
+        al_report_finding(r->report, AL_RULE_RECORD_SIZE, "BAKD: has %" PRIu32 " records, one is right",
+                          count);
+    else if (read)
+        r->scene->baked = *read;
 }
 
 static bool read_head(reader *r)
@@ -490,6 +554,10 @@ static void check_instances(reader *r)
                               i, in->name, in->role, in->translucent);
         else if (in->role != AL_ROLE_OPAQUE)
             check_index(r, in->translucent, s->translucent_count, "instance", i, "translucent object");
+        if (in->lighting != AL_LIGHTING_DYNAMIC && in->role != AL_ROLE_OPAQUE)
+            al_report_finding(r->report, AL_RULE_SCENE_LIGHTING,
+                              "instance %" PRIu32 " (%s): role %" PRIu32 " with lighting %" PRIu32, i,
+                              in->name, in->role, in->lighting);
         const float *w = in->world;
         if (w[3] != 0 || w[7] != 0 || w[11] != 0 || w[15] != 1)
             al_report_finding(r->report, AL_RULE_SCENE_AFFINE,
@@ -506,6 +574,14 @@ static bool is_plain_name(const char *name)
     return true;
 }
 
+static void check_asset(reader *r, const char *asset, const char *owner, uint32_t index)
+{
+    if (!is_plain_name(asset))
+        al_report_finding(r->report, AL_RULE_SCENE_ASSET,
+                          "%s %" PRIu32 ": the asset's name holds a folder or a control character", owner,
+                          index);
+}
+
 static void check_translucents(reader *r)
 {
     const al_scene *s = r->scene;
@@ -518,11 +594,22 @@ static void check_translucents(reader *r)
             al_report_finding(r->report, AL_RULE_SCENE_BOUNDARY,
                               "translucent object %" PRIu32 " (%s): instance %" PRIu32 " is not its boundary",
                               i, t->name, t->instance);
-        if (!is_plain_name(t->asset))
-            al_report_finding(r->report, AL_RULE_SCENE_ASSET,
-                              "translucent object %" PRIu32
-                              " (%s): the asset's name holds a folder or a control character",
-                              i, t->name);
+        check_asset(r, t->asset, "translucent object", i);
+    }
+}
+
+static void check_fogs(reader *r)
+{
+    for (uint32_t i = 0; i < r->scene->fog_count; i++) {
+        const al_fog *f = &r->scene->fogs[i];
+        bool good = true;
+        for (int k = 0; k < 3; k++)
+            good = good && (f->bounded ? f->bounds_min_m[k] < f->bounds_max_m[k]
+                                       : f->bounds_min_m[k] == 0 && f->bounds_max_m[k] == 0);
+        if (!good)
+            al_report_finding(r->report, AL_RULE_SCENE_FOG, "fog %" PRIu32 ": its bounds are no box", i);
+        check_index(r, f->medium, r->scene->medium_count, "fog", i, "medium");
+        check_asset(r, f->asset, "fog", i);
     }
 }
 
@@ -559,13 +646,19 @@ static void read_scene(const al_file *file, al_scene *scene, al_report *report)
     scene->translucents = read_records(&r, &translucent_record, scene->translucent_count);
     scene->lights = read_records(&r, &light_record, scene->light_count);
     scene->cameras = read_records(&r, &camera_record, scene->camera_count);
+    scene->fogs = read_optional_records(&r, &fog_record, &scene->fog_count);
+    read_baked(&r);
     read_environment(&r);
     if (!good || !scene->instances || !scene->media || !scene->translucents || !scene->lights ||
         !scene->cameras)
         return;
+    read_lighting(&r);
     check_materials(&r);
     check_instances(&r);
     check_translucents(&r);
+    check_fogs(&r);
+    check_asset(&r, scene->baked.lightmap, "lightmap", 0);
+    check_asset(&r, scene->baked.probes, "probes", 0);
     check_lights_and_cameras(&r);
 }
 
@@ -648,6 +741,13 @@ static al_status add_arrays(al_writer *writer, const char *path, const al_scene 
     return status;
 }
 
+static bool is_lit_by_bakes(const al_scene *scene)
+{
+    for (uint32_t i = 0; i < scene->instance_count; i++)
+        if (scene->instances[i].lighting != AL_LIGHTING_DYNAMIC) return true;
+    return false;
+}
+
 static al_status encode(const char *path, encoded *chunk, al_text_table *texts, al_error *error)
 {
     chunk->bytes = malloc(al_record_size(chunk->record) * chunk->count + 1);
@@ -656,16 +756,24 @@ static al_status encode(const char *path, encoded *chunk, al_text_table *texts, 
     return al_fail(error, AL_IO, "%s: out of memory for chunk %s", path, chunk->record->type);
 }
 
+/* Chunks that the kind may lack: left out where they would say nothing. */
+static bool is_optional(const char *type)
+{
+    return al_chunk_find(&al_scene_rules, type)->minimum == 0;
+}
+
 /* Texts are complete once all records are encoded, so TEXT follows them. */
 static al_status add_records(al_writer *writer, const char *path, encoded *all, size_t count, al_error *error)
 {
     al_text_table texts = {0};
     al_status status = AL_OK;
     for (size_t i = 0; i < count && status == AL_OK; i++) {
+        bool optional = is_optional(all[i].record->type);
+        if (optional && !all[i].count) continue;
         status = encode(path, &all[i], &texts, error);
         if (status == AL_OK)
-            status = al_writer_add(writer, all[i].record->type, 1, 0, all[i].bytes,
-                                   al_record_size(all[i].record) * all[i].count, error);
+            status = al_writer_add(writer, all[i].record->type, 1, optional ? AL_CHUNK_OPTIONAL : 0,
+                                   all[i].bytes, al_record_size(all[i].record) * all[i].count, error);
         free(all[i].bytes);
     }
     if (status == AL_OK)
@@ -683,6 +791,8 @@ al_status al_scene_write(const char *path, const al_scene *scene, const char *pr
     al_submesh *submeshes = NULL;
     size_t submesh_count = 0;
     al_status status;
+    al_baked_light baked = {scene->baked.lightmap ? scene->baked.lightmap : "",
+                            scene->baked.probes ? scene->baked.probes : ""};
     if (bytes) *bytes = 0;
     if (!gather_meshes(scene, &heads, &submeshes, &submesh_count)) {
         status = al_fail(error, AL_IO, "%s: out of memory", path);
@@ -699,6 +809,9 @@ al_status al_scene_write(const char *path, const al_scene *scene, const char *pr
         {&translucent_record, scene->translucents, scene->translucent_count, NULL},
         {&light_record, scene->lights, scene->light_count, NULL},
         {&camera_record, scene->cameras, scene->camera_count, NULL},
+        {&lighting_record, scene->instances, is_lit_by_bakes(scene) ? scene->instance_count : 0, NULL},
+        {&fog_record, scene->fogs, scene->fog_count, NULL},
+        {&baked_record, &baked, *baked.lightmap || *baked.probes, NULL},
     };
     status = al_writer_open(path, AL_KIND_SCENE, &writer, error);
     if (status == AL_OK) status = add_records(writer, path, all, COUNT_OF(all), error);

@@ -168,11 +168,12 @@ typedef struct transform_fields {
 typedef struct scene_fields {
     char *schema, *comment;
     double unit_m;
-    node meshes, materials, lights, environment, cameras, media, translucents, bake, play;
+    node meshes, materials, lights, environment, cameras, media, translucents, fogs, lightmap, probes, bake,
+        play;
 } scene_fields;
 
 typedef struct mesh_fields {
-    char *name, *file, *node_name, *material;
+    char *name, *file, *node_name, *material, *lighting;
     double unit_m;
     bool hidden, import_lights, import_cameras;
     node shape, transform;
@@ -227,6 +228,22 @@ typedef struct shape_fields {
         major_segments, minor_segments;
 } shape_fields;
 
+typedef struct lightmap_fields {
+    double texel_m, samples, bounces, back_scatter_shift_m, directional_order, padding_texels, page_size,
+        seed;
+    char *walls, *uv;
+    bool back_scatter;
+} lightmap_fields;
+
+typedef struct probes_fields {
+    double order, samples, spacing_m;
+    node points;
+} probes_fields;
+
+typedef struct point_fields {
+    double position_m[3];
+} point_fields;
+
 typedef struct bake_fields {
     double directions, grid_resolution, samples, radius_m, sh_order, seed;
     char *coefficient_format;
@@ -274,6 +291,9 @@ static const al_scene_key keys[] = {
     LIST(scene, cameras, "camera"),
     LIST(scene, media, "medium"),
     LIST(scene, translucents, "translucent"),
+    {"scene", "fogs", AL_SCENE_NAMES, false, 0, 0, "", offsetof(scene_fields, fogs)},
+    OBJECT(scene, lightmap, "lightmap"),
+    OBJECT(scene, probes, "probes"),
     OBJECT(scene, bake, "bake"),
     OBJECT(scene, play, "play"),
 
@@ -284,6 +304,7 @@ static const al_scene_key keys[] = {
     NUMBER(mesh, unit_m, TINY, FAR_M),
     OBJECT(mesh, transform, "transform"),
     TEXT(mesh, material),
+    CHOICE(mesh, lighting, false, "dynamic|lightmap|probes"),
     FLAG(mesh, hidden),
     FLAG(mesh, import_lights),
     FLAG(mesh, import_cameras),
@@ -361,6 +382,25 @@ static const al_scene_key keys[] = {
     NAME(translucent, mesh),
     NAME(translucent, medium),
     {"translucent", "blockers", AL_SCENE_NAMES, false, 0, 0, "", offsetof(translucent_fields, blockers)},
+
+    NUMBER(lightmap, texel_m, TINY, FAR_M),
+    INTEGER(lightmap, samples, 1, 10000000),
+    INTEGER(lightmap, bounces, 0, 1000),
+    CHOICE(lightmap, walls, false, "published|bounded|traced"),
+    FLAG(lightmap, back_scatter),
+    NUMBER(lightmap, back_scatter_shift_m, TINY, FAR_M),
+    CHOICE(lightmap, uv, false, "auto|file|atlas"),
+    INTEGER(lightmap, directional_order, 0, 4),
+    INTEGER(lightmap, padding_texels, 1, 64),
+    INTEGER(lightmap, page_size, 16, 16384),
+    INTEGER(lightmap, seed, 0, UINT32_MAX),
+
+    INTEGER(probes, order, 1, 8),
+    INTEGER(probes, samples, 1, 10000000),
+    NUMBER(probes, spacing_m, TINY, FAR_M),
+    LIST(probes, points, "point"),
+
+    VECTOR(point, position_m, true),
 
     INTEGER(bake, directions, 2, 4096),
     INTEGER(bake, grid_resolution, 1, 512),
@@ -734,7 +774,7 @@ static al_status read_mesh(const node *place, al_scene_description *out, al_mesh
         return fail_at(place, error, "has %s; give either \"file\" or \"shape\"",
                        f.file ? "both \"file\" and \"shape\"" : "neither \"file\" nor \"shape\"");
     if (f.shape.value) {
-        status = allow_only(place, "name|shape|transform|material|hidden", "shape", error);
+        status = allow_only(place, "name|shape|transform|material|lighting|hidden", "shape", error);
         if (!status) status = read_shape(&f.shape, &mesh->shape, error);
         if (status) return status;
         f.unit_m = 1;
@@ -745,6 +785,10 @@ static al_status read_mesh(const node *place, al_scene_description *out, al_mesh
     mesh->node = copy_text(out, f.node_name ? f.node_name : "");
     mesh->material = copy_text(out, f.material ? f.material : "");
     mesh->unit_m = f.unit_m;
+    mesh->lighting = !f.lighting                           ? AL_LIGHTING_DYNAMIC
+                     : strcmp(f.lighting, "lightmap") == 0 ? AL_LIGHTING_LIGHTMAP
+                     : strcmp(f.lighting, "probes") == 0   ? AL_LIGHTING_PROBES
+                                                           : AL_LIGHTING_DYNAMIC;
     mesh->hidden = f.hidden;
     mesh->import_lights = f.import_lights && f.file;
     mesh->import_cameras = f.import_cameras && f.file;
@@ -1014,6 +1058,77 @@ static al_status read_bake(const node *place, al_bake_settings *bake, al_error *
     return AL_OK;
 }
 
+al_lightmap_settings al_lightmap_settings_for(al_quality quality)
+{
+    static const uint32_t across[] = {128, 256, 512}, samples[] = {32, 128, 512}, bounces[] = {2, 4, 8};
+    return (al_lightmap_settings){.texels_across = across[quality],
+                                  .samples = samples[quality],
+                                  .bounces = bounces[quality],
+                                  .walls = AL_WALLS_BOUNDED,
+                                  .padding_texels = 2,
+                                  .page_size = 2048};
+}
+
+static al_status read_lightmap(const node *place, al_lightmap_settings *out, al_error *error)
+{
+    lightmap_fields f = {.samples = out->samples,
+                         .bounces = out->bounces,
+                         .directional_order = out->directional_order,
+                         .padding_texels = out->padding_texels,
+                         .page_size = out->page_size};
+    al_status status = place->value ? read_object(place, "lightmap", &f, error) : AL_OK;
+    if (status) return status;
+    if (f.back_scatter_shift_m > 0 && !f.back_scatter)
+        return fail_at(place, error, "back_scatter_shift_m needs \"back_scatter\": true");
+    out->texel_m = f.texel_m;
+    out->samples = (uint32_t)f.samples;
+    out->bounces = (uint32_t)f.bounces;
+    out->back_scatter = f.back_scatter;
+    out->back_scatter_shift_m = f.back_scatter_shift_m;
+    out->directional_order = (uint32_t)f.directional_order;
+    out->padding_texels = (uint32_t)f.padding_texels;
+    out->page_size = (uint32_t)f.page_size;
+    out->seed = (uint32_t)f.seed;
+    if (f.walls)
+        out->walls = *f.walls == 'p'   ? AL_WALLS_PUBLISHED
+                     : *f.walls == 'b' ? AL_WALLS_BOUNDED
+                                       : AL_WALLS_TRACED;
+    if (f.uv) out->uv = *f.uv == 'f' ? AL_UV_FILE : strcmp(f.uv, "atlas") == 0 ? AL_UV_ATLAS : AL_UV_AUTO;
+    return AL_OK;
+}
+
+al_probe_settings al_probe_settings_for(al_quality quality)
+{
+    static const uint32_t samples[] = {256, 1024, 4096};
+    return (al_probe_settings){.order = 3, .samples = samples[quality]};
+}
+
+static al_status read_probes(const node *place, al_scene_description *out, al_error *error)
+{
+    al_probe_settings *probes = &out->probes;
+    probes_fields f = {.order = probes->order, .samples = probes->samples};
+    al_status status = place->value ? read_object(place, "probes", &f, error) : AL_OK;
+    if (status) return status;
+    if (f.spacing_m > 0 && list_size(&f.points))
+        return fail_at(place, error,
+                       "spacing_m and points exclude each other: points are the probes' places");
+    out->has_probes = place->value != NULL;
+    probes->order = (uint32_t)f.order;
+    probes->samples = (uint32_t)f.samples;
+    probes->spacing_m = f.spacing_m;
+    probes->point_count = (uint32_t)list_size(&f.points);
+    probes->points = allocate(out, probes->point_count, sizeof *probes->points);
+    if (!probes->points)
+        return out_of_memory(place->from ? place->from : &(source){.path = out->path}, error);
+    node element = {0};
+    while (!status && next_element(&f.points, &element)) {
+        point_fields point = {0};
+        status = read_object(&element, "point", &point, error);
+        memcpy(probes->points[element.index], point.position_m, sizeof point.position_m);
+    }
+    return status;
+}
+
 static al_status read_play(const node *place, al_play_settings *play, al_error *error)
 {
     play_fields f = {0};
@@ -1080,11 +1195,11 @@ static const al_mesh_description *find_mesh(const al_scene_description *out, con
     return NULL;
 }
 
-static bool has_medium(const al_scene_description *out, const char *name)
+static uint32_t find_medium(const al_scene_description *out, const char *name)
 {
     for (uint32_t i = 0; i < out->medium_count; i++)
-        if (strcmp(out->media[i].name, name) == 0) return true;
-    return false;
+        if (strcmp(out->media[i].name, name) == 0) return i;
+    return AL_NO_INDEX;
 }
 
 static bool has_material(const al_scene_description *out, const char *name)
@@ -1118,10 +1233,52 @@ static al_status check_translucents(const node *list, al_scene_description *out,
         al_status status = take_mesh(&place, out, object->mesh, uses, error);
         for (uint32_t i = 0; i < object->blocker_count && !status; i++)
             status = take_mesh(&place, out, object->blockers[i], uses, error);
-        if (!status && !has_medium(out, object->medium))
+        if (!status && find_medium(out, object->medium) == AL_NO_INDEX)
             status =
                 fail_at(&place, error, "no medium is named \"%s\"; name one of \"media\"", object->medium);
         if (status) return status;
+    }
+    return AL_OK;
+}
+
+static al_status read_fogs(const node *list, al_scene_description *out, al_error *error)
+{
+    out->fog_count = (uint32_t)list_size(list);
+    out->fogs = allocate(out, out->fog_count, sizeof *out->fogs);
+    if (!out->fogs) return out_of_memory(list->from ? list->from : &(source){.path = out->path}, error);
+    for (uint32_t i = 0; i < out->fog_count; i++) {
+        const char *name = json_string_value(json_array_get(list->value, i));
+        out->fogs[i] = find_medium(out, name);
+        if (out->fogs[i] == AL_NO_INDEX)
+            return fail_at(list, error, "no medium is named \"%s\"; name one of \"media\"", name);
+        for (uint32_t k = 0; k < i; k++)
+            if (out->fogs[k] == out->fogs[i])
+                return fail_at(list, error, "\"%s\" stands there twice; once is right", name);
+        const al_density_description *density = &out->media[out->fogs[i]].density;
+        if (density->type == AL_DENSITY_LAYERS && !density->has_bounds)
+            return fail_at(list, error, "the layers of \"%s\" have no end; give its density bounds", name);
+    }
+    return AL_OK;
+}
+
+/* Objects and instances that a lightmap or probes would not reach. */
+static al_status check_lighting(const node *list, const al_scene_description *out, al_error *error)
+{
+    node place = {0};
+    while (next_element(list, &place)) {
+        const al_mesh_description *mesh = &out->meshes[place.index];
+        if (mesh->lighting == AL_LIGHTING_PROBES && !out->has_probes)
+            return fail_at(&place, error, "is lit by probes; the scene needs \"probes\" for that");
+        for (uint32_t i = 0; mesh->lighting != AL_LIGHTING_DYNAMIC && i < out->translucent_count; i++) {
+            const al_translucent_description *object = &out->translucents[i];
+            bool is_part = strcmp(object->mesh, mesh->name) == 0;
+            for (uint32_t k = 0; k < object->blocker_count; k++)
+                is_part = is_part || strcmp(object->blockers[k], mesh->name) == 0;
+            if (is_part)
+                return fail_at(&place, error,
+                               "is part of translucent \"%s\", which no lightmap or probe lights",
+                               object->name);
+        }
     }
     return AL_OK;
 }
@@ -1141,7 +1298,8 @@ static al_status check_references(const scene_fields *f, al_scene_description *o
         if (*name && !(mesh && *mesh->file))
             return fail_at(&place, error, "absorption_from: no mesh with a file is named \"%s\"", name);
     }
-    return check_translucents(&f->translucents, out, error);
+    al_status status = check_translucents(&f->translucents, out, error);
+    return status ? status : check_lighting(&f->meshes, out, error);
 }
 
 static al_status read_scene(const node *root, al_scene_description *out, al_error *error)
@@ -1165,6 +1323,9 @@ static al_status read_scene(const node *root, al_scene_description *out, al_erro
         status = fail_at(&f.lights, error, "there are %u lights; at most %d are right", out->light_count,
                          LIGHT_LIMIT);
     if (!status) status = read_environment(&f.environment, out, error);
+    if (!status) status = read_fogs(&f.fogs, out, error);
+    if (!status) status = read_lightmap(&f.lightmap, &out->lightmap, error);
+    if (!status) status = read_probes(&f.probes, out, error);
     if (!status) status = read_bake(&f.bake, &out->bake, error);
     if (!status) status = read_play(&f.play, &out->play, error);
     return status ? status : check_references(&f, out, error);
@@ -1233,6 +1394,8 @@ static al_status start_description(const char *path, al_quality quality, al_scen
     if (!(*out)->path || !(*out)->folder) return al_fail(error, AL_IO, "%s: out of memory", path);
     if (slash) (*out)->folder[slash == path ? 1 : slash - path] = 0;
     (*out)->bake = al_bake_settings_for(quality);
+    (*out)->lightmap = al_lightmap_settings_for(quality);
+    (*out)->probes = al_probe_settings_for(quality);
     return AL_OK;
 }
 

@@ -176,3 +176,30 @@ bool al_density_is_constant(const al_density *density)
 {
     return density->from.type == AL_DENSITY_CONSTANT && !density->from.has_bounds;
 }
+
+bool al_density_bounds(const al_density *density, double low[3], double high[3])
+{
+    const al_density_description *from = &density->from;
+    if (from->has_bounds) {
+        memcpy(low, from->bounds_min_m, sizeof from->bounds_min_m);
+        memcpy(high, from->bounds_max_m, sizeof from->bounds_max_m);
+        return true;
+    }
+    if (from->type != AL_DENSITY_GRID) return false;
+    double to_world[16];
+    al_matrix_multiply(from->grid_to_world, density->grid.index_to_world, to_world);
+    for (int i = 0; i < 3; i++) {
+        low[i] = INFINITY;
+        high[i] = -INFINITY;
+    }
+    for (int corner = 0; corner < 8; corner++) {
+        double point[3];
+        for (int i = 0; i < 3; i++) point[i] = corner >> i & 1 ? density->grid.size[i] - 0.5 : -0.5;
+        al_matrix_point(to_world, point, point);
+        for (int i = 0; i < 3; i++) {
+            low[i] = fmin(low[i], point[i]);
+            high[i] = fmax(high[i], point[i]);
+        }
+    }
+    return true;
+}

@@ -19,5 +19,7 @@ double al_density_max(const al_density *density);
 /* World edge of the finest detail: the voxel of a grid, the thinnest layer; 0 for a constant. */
 double al_density_detail_m(const al_density *density);
 bool al_density_is_constant(const al_density *density);
+/* World box outside of which the density is 0: of a turned grid the box around it. False: it has none. */
+bool al_density_bounds(const al_density *density, double low[3], double high[3]);
 
 #endif

@@ -81,6 +81,30 @@ static al_status copy_media(al_import *import, al_error *error)
     return AL_OK;
 }
 
+/* A grid's own bounds are known to its density; the asset's name to the bake. */
+static al_status copy_fogs(al_import *import, al_error *error)
+{
+    al_scene *scene = &import->scene;
+    const al_scene_description *description = import->description;
+    scene->fogs = al_scene_array(scene, description->fog_count, sizeof *scene->fogs);
+    scene->baked = (al_baked_light){al_scene_text(scene, ""), al_scene_text(scene, "")};
+    if (!scene->fogs || !scene->baked.lightmap || !scene->baked.probes) return out_of_memory(import, error);
+    for (uint32_t i = 0; i < description->fog_count; i++) {
+        al_fog *fog = &scene->fogs[i];
+        double low[3], high[3];
+        fog->medium = description->fogs[i];
+        fog->bounded = al_density_bounds(import->densities[fog->medium], low, high);
+        fog->density = (float)al_density_max(import->densities[fog->medium]);
+        fog->asset = scene->baked.lightmap;
+        for (int k = 0; k < 3 && fog->bounded; k++) {
+            fog->bounds_min_m[k] = (float)low[k];
+            fog->bounds_max_m[k] = (float)high[k];
+        }
+    }
+    scene->fog_count = description->fog_count;
+    return AL_OK;
+}
+
 static al_status open_densities(al_import *import, al_error *error)
 {
     const al_scene_description *description = import->description;
@@ -295,6 +319,7 @@ static al_status fill_scene(al_import *import, al_error *error)
     if (!status) status = copy_media(import, error);
     if (!status) status = import_meshes(import, error);
     if (!status) status = open_densities(import, error);
+    if (!status) status = copy_fogs(import, error);
     if (!status) status = al_environment_import(import, error);
     if (!status) status = finish_cameras(import, error);
     return status ? status : check_result(import, error);

@@ -352,7 +352,8 @@ static al_status add_instance(mesh_import *job, const char *name, uint32_t mesh,
     al_instance *instance =
         al_scene_append(scene, &scene->instances, &scene->instance_count, sizeof *instance);
     if (!instance) return out_of_memory(job, error);
-    *instance = (al_instance){al_scene_text(scene, name), mesh, job->use->role, job->use->translucent, {0}};
+    *instance = (al_instance){al_scene_text(scene, name), mesh, job->use->role, job->use->translucent, {0},
+                              job->mesh->lighting};
     if (!instance->name) return out_of_memory(job, error);
     for (int i = 0; i < 16; i++) {
         instance->world[i] = (float)world[i];

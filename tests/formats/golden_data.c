@@ -70,10 +70,10 @@ static al_mesh meshes[] = {
     {"solid", 4, 12, 1, solid_positions, solid_normals, NULL, NULL, solid_indices, solid_submeshes},
 };
 static al_instance instances[] = {
-    {"floor", 0, AL_ROLE_OPAQUE, AL_NO_INDEX, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -1, 0, 1}},
-    {"candle", 1, AL_ROLE_TRANSLUCENT, 0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}},
+    {"floor", 0, AL_ROLE_OPAQUE, AL_NO_INDEX, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -1, 0, 1}, 0},
+    {"candle", 1, AL_ROLE_TRANSLUCENT, 0, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, 0},
     {"wick", 1, AL_ROLE_BLOCKER, 0,
-     {0.25f, 0, 0, 0, 0, 0.25f, 0, 0, 0, 0, 0.25f, 0, 0.125f, 0.125f, 0.125f, 1}},
+     {0.25f, 0, 0, 0, 0, 0.25f, 0, 0, 0, 0, 0.25f, 0, 0.125f, 0.125f, 0.125f, 1}, 0},
 };
 static al_medium media[] = {{"wax", {8, 6, 4}, {0.25f, 0.5f, 1}, 0.5f}};
 static al_translucent_object translucents[] = {{"candle", 1, 0, "candle.translucent.air"}};
@@ -87,9 +87,26 @@ void golden_fill_scene(al_scene *scene)
 {
     *scene = (al_scene){
         1, 2, 2, 3, 1, 1, 2, 1, textures, materials, meshes, instances, media, translucents, lights, cameras,
-        {.width = 2, .height = 1, .pixels = sky}, {0.5f, {0.125f, 0.25f, 0.5f}}, NULL,
+        {.width = 2, .height = 1, .pixels = sky}, {0.5f, {0.125f, 0.25f, 0.5f}}, 0, NULL, {"", ""}, NULL,
     };
     for (int c = 0; c < 3; c++)
         for (int i = 0; i < AL_ENVIRONMENT_ORDER * AL_ENVIRONMENT_ORDER; i++)
             scene->environment.sh[c][i] = (float)(c + 1) / (float)(i + 1);
+}
+
+static al_fog fogs[] = {
+    {0, false, {0, 0, 0}, {0, 0, 0}, 0.5f, ""},
+    {0, true, {-2, -1, -0.5f}, {2, 1, 0.5f}, 0, "smoke.medium.air"},
+};
+
+void golden_fill_lit_scene(al_scene *scene)
+{
+    static al_instance lit[sizeof instances / sizeof *instances];
+    golden_fill_scene(scene);
+    memcpy(lit, instances, sizeof instances);
+    lit[0].lighting = AL_LIGHTING_LIGHTMAP;
+    scene->instances = lit;
+    scene->fogs = fogs;
+    scene->fog_count = 2;
+    scene->baked = (al_baked_light){"room.lightmap.air", "room.probes.air"};
 }

@@ -19,5 +19,7 @@ void golden_fill_translucent(al_coefficient_format format, golden_translucent *g
 
 /* A translucent tetrahedron with a blocker over a textured quad; every pointer is to static memory. */
 void golden_fill_scene(al_scene *scene);
+/* The same with a floor that has a lightmap, two fogs and the names of baked light. */
+void golden_fill_lit_scene(al_scene *scene);
 
 #endif

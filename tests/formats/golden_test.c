@@ -9,7 +9,7 @@
 #include "rules.h"
 
 static const char *const valid[] = {"translucent_float_1_0", "translucent_half_1_0", "translucent_byte_1_0",
-                                    "scene_1_0"};
+                                    "scene_1_0",            "scene_lit_1_0"};
 
 static forged load_golden(const char *name)
 {
@@ -193,6 +193,9 @@ static void test_same_bytes(const char *folder)
     golden_fill_scene(&scene);
     CHECK(al_scene_write(path, &scene, "{\"key\":\"fedcba9876543210\"}", NULL, &error) == AL_OK);
     compare_bytes("scene_1_0", path);
+    golden_fill_lit_scene(&scene);
+    CHECK(al_scene_write(path, &scene, NULL, NULL, &error) == AL_OK);
+    compare_bytes("scene_lit_1_0", path);
     for (size_t i = 0; i < refusal_count; i++) {
         char name[256];
         refusal_file(&refusals[i], name, sizeof name);

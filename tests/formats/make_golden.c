@@ -25,7 +25,11 @@ static al_status write_valid(const char *folder, al_error *error)
     }
     golden_fill_scene(&scene);
     snprintf(path, sizeof path, "%s/scene_1_0.air", folder);
-    return al_scene_write(path, &scene, "{\"key\":\"fedcba9876543210\"}", NULL, error);
+    al_status status = al_scene_write(path, &scene, "{\"key\":\"fedcba9876543210\"}", NULL, error);
+    if (status != AL_OK) return status;
+    golden_fill_lit_scene(&scene);
+    snprintf(path, sizeof path, "%s/scene_lit_1_0.air", folder);
+    return al_scene_write(path, &scene, NULL, NULL, error);
 }
 
 static al_status write_refusal(const char *folder, const refusal *r, al_error *error)

@@ -4,6 +4,7 @@
 #define HALF "translucent_half_1_0"
 #define FLOAT "translucent_float_1_0"
 #define SCENE "scene_1_0"
+#define LIT "scene_lit_1_0"
 
 #define HEADER(at, count, value) {CHANGE_HEADER, "", 0, at, count, value}
 #define ENTRY(type, index, at, count, value) {CHANGE_ENTRY, type, index, at, count, value}
@@ -113,6 +114,11 @@ const refusal refusals[] = {
     {314, "no_camera", SCENE, SEAL_ALL, {CHUNK("SCEN", 0, 28, 4, 0), EMPTY("CAMR", 0)}},
     {315, "environment_missing", SCENE, SEAL_ALL, {HIDE("ENVM", 0)}},
     {316, "gap_inside_geometry", SCENE, SEAL_ALL, {CHUNK("GEOM", 1, 63, 1, 1)}},
+    {317, "lightmap_on_boundary", LIT, SEAL_ALL, {CHUNK("INLI", 0, 4, 4, 1)}},
+    {318, "fog_inside_out", LIT, SEAL_ALL, {CHUNK("FOGS", 0, 40 + 8, 4, 0x40a00000)}},
+    {318, "endless_fog_with_bounds", LIT, SEAL_ALL, {CHUNK("FOGS", 0, 8, 4, 0x3f800000)}},
+    {130, "fog_cut_off", LIT, SEAL_ALL, {RESIZE("FOGS", 0, 76), CHUNK("FOGS", 0, 76, 4, 0)}},
+    {130, "lighting_of_too_few", LIT, SEAL_ALL, {RESIZE("INLI", 0, 8), CHUNK("INLI", 0, 8, 4, 0)}},
 };
 
 const size_t refusal_count = sizeof refusals / sizeof *refusals;

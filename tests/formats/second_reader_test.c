@@ -59,6 +59,14 @@ static size_t chunk(const source *s, const char *type, int n, size_t *size)
     return 0;
 }
 
+static unsigned is_optional(const unsigned char *type)
+{
+    static const char types[] = "PROV INLI FOGS BAKD";
+    for (size_t i = 0; i < sizeof types - 1; i += 5)
+        if (!memcmp(type, types + i, 4)) return 1;
+    return 0;
+}
+
 static void check_container(const source *s, unsigned kind)
 {
     static const unsigned char magic[] = {0x8b, 0x41, 0x49, 0x52, 0x0d, 0x0a, 0x1a, 0x0a};
@@ -73,7 +81,7 @@ static void check_container(const source *s, unsigned kind)
         CHECK(number(s, entry + 16, 8) == next && number(s, entry + 32, 8) == size &&
               number(s, entry + 4, 2) == 1);
         CHECK(number(s, entry + 40, 8) == XXH64(s->bytes + next, padded, 0));
-        CHECK(number(s, entry + 8, 4) == (memcmp(s->bytes + entry, "PROV", 4) ? 0 : 1));
+        CHECK(number(s, entry + 8, 4) == is_optional(s->bytes + entry));
         for (size_t i = size; i < padded; i++) CHECK(s->bytes[next + i] == 0);
         next += padded;
     }
@@ -198,10 +206,26 @@ static void check_scene(void)
     CHECK(size == 24 && real(s, at + 4) == 0.75);
 }
 
+static void check_lit_scene(void)
+{
+    const source *s = load("scene_lit_1_0.air");
+    size_t size, at = chunk(s, "INLI", 0, &size);
+    check_container(s, 1);
+    CHECK(size == 12 && number(s, at, 4) == 1 && number(s, at + 4, 4) == 0);
+    at = chunk(s, "FOGS", 0, &size);
+    CHECK(size == 80 && number(s, at + 4, 4) == 0 && real(s, at + 32) == 0.5 && text_is(s, at + 36, ""));
+    at += 40;
+    CHECK(number(s, at, 4) == 0 && number(s, at + 4, 4) == 1 && real(s, at + 8) == -2 &&
+          real(s, at + 28) == 0.5 && text_is(s, at + 36, "smoke.medium.air"));
+    at = chunk(s, "BAKD", 0, &size);
+    CHECK(size == 8 && text_is(s, at, "room.lightmap.air") && text_is(s, at + 4, "room.probes.air"));
+}
+
 int main(void)
 {
     check_translucent();
     check_half();
     check_scene();
+    check_lit_scene();
     return test_end();
 }

@@ -26,6 +26,28 @@ static void refuse(const char *text, const char *message)
     if (!status) al_scene_description_free(scene);
 }
 
+static void test_lighting_refusals(void)
+{
+    refuse("{\"fogs\": [\"haze\"]}", "1: fogs: no medium is named \"haze\"; name one of \"media\"");
+    refuse("{\"media\": [{\"name\": \"haze\", \"sigma_s_per_m\": 1}],\n \"fogs\": [\"haze\", \"haze\"]}",
+           "2: fogs: \"haze\" stands there twice; once is right");
+    refuse("{\"media\": [{\"name\": \"haze\", \"sigma_s_per_m\": 1, \"density\": {\"type\": \"layers\", \"period_m\": 1, "
+           "\"thickness_m\": 0.5}}], \"fogs\": [\"haze\"]}",
+           "1: fogs: the layers of \"haze\" have no end; give its density bounds");
+    refuse("{\"meshes\": [{\"name\": \"a\", \"file\": \"a.obj\", \"lighting\": \"probes\"}]}",
+           "1: meshes[0]: is lit by probes; the scene needs \"probes\" for that");
+    refuse("{\"meshes\": [{\"name\": \"a\", \"file\": \"a.obj\", \"lighting\": \"lightmap\"}],\n"
+           "\"media\": [{\"name\": \"wax\", \"sigma_s_per_m\": 1}], \"translucents\": [{\"name\": \"t\", \"mesh\": \"a\", "
+           "\"medium\": \"wax\"}]}",
+           "1: meshes[0]: is part of translucent \"t\", which no lightmap or probe lights");
+    refuse("{\"lightmap\": {\"walls\": \"thick\"}}",
+           "1: lightmap.walls: is \"thick\"; one of published|bounded|traced is right");
+    refuse("{\"lightmap\": {\"back_scatter_shift_m\": 1}}",
+           "1: lightmap: back_scatter_shift_m needs \"back_scatter\": true");
+    refuse("{\"probes\": {\"spacing_m\": 1, \"points\": [{\"position_m\": [0, 0, 0]}]}}",
+           "1: probes: spacing_m and points exclude each other: points are the probes' places");
+}
+
 static void test_refusals(void)
 {
     refuse("", "1: not valid JSON: '[' or '{' expected near end of file");
@@ -36,9 +58,9 @@ static void test_refusals(void)
     refuse("[]", "1: the scene: is not an object; {...} is right");
     refuse("{\n\n  \"colour\": 1}",
            "3: colour: unknown key; known here: $schema, comment, unit_m, meshes, materials, "
-           "lights, environment, cameras, media, translucents, bake, play");
+           "lights, environment, cameras, media, translucents, fogs, lightmap, probes, bake, play");
     refuse("{\"a\\nb\": 1}", "1: a b: unknown key; known here: $schema, comment, unit_m, meshes, materials, "
-                             "lights, environment, cameras, media, translucents, bake, play");
+                             "lights, environment, cameras, media, translucents, fogs, lightmap, probes, bake, play");
     refuse("{\"unit_m\": 0}", "1: unit_m: is 0; a number from 1e-09 to 1000000000 is right");
     refuse("{\"unit_m\": -1}", "1: unit_m: is -1; a number from 1e-09 to 1000000000 is right");
     refuse("{\"unit_m\": \"1\"}", "1: unit_m: is \"1\"; a number from 1e-09 to 1000000000 is right");
@@ -76,7 +98,7 @@ static void test_refusals(void)
            "1: meshes[0].shape: \"radius_m\" does not go with \"box\"; these do: type|size_m");
     refuse("{\"meshes\": [{\"name\": \"a\", \"unit_m\": 2, \"shape\": {\"type\": \"box\"}}]}",
            "1: meshes[0]: \"unit_m\" does not go with \"shape\"; these do: "
-           "name|shape|transform|material|hidden");
+           "name|shape|transform|material|lighting|hidden");
     refuse("{\"meshes\": [{\"name\": \"a\", \"shape\": {\"type\": \"torus\", \"minor_radius_m\": 0.5}}]}",
            "1: meshes[0].shape: minor_radius_m 0.5 is not below major_radius_m 0.35; the torus would run "
            "into itself");
@@ -227,6 +249,9 @@ static const char everything[] =
     "   \"density\": {\"type\": \"layers\", \"axis\": [0, 0, 2], \"period_m\": 0.5, \"thickness_m\": "
     "0.2}}],\n"
     " \"translucents\": [{\"mesh\": \"s\", \"medium\": \"w\", \"blockers\": [\"b\"]}],\n"
+    " \"fogs\": [\"w\"],\n"
+    " \"lightmap\": {\"walls\": \"traced\", \"uv\": \"atlas\", \"samples\": 7, \"back_scatter\": true},\n"
+    " \"probes\": {\"order\": 4, \"points\": [{\"position_m\": [1, 2, 3]}]},\n"
     " \"bake\": {\"directions\": 64, \"radius_m\": 0.25, \"coefficient_format\": \"byte\"},\n"
     " \"play\": {\"exposure_ev\": -2, \"background\": 0.5}}";
 
@@ -284,6 +309,11 @@ static void test_values(void)
     CHECK_NEAR(s->cameras[0].fov_y_radians, 1.57079632679, 1e-7);
     CHECK_NEAR(s->environment.rotation_y_radians, 3.14159265358979, 1e-14);
     CHECK(s->environment.radiance[0] == 0.5 && s->environment.scale == 3);
+    CHECK(s->fog_count == 1 && s->fogs[0] == 0);
+    CHECK(s->lightmap.walls == AL_WALLS_TRACED && s->lightmap.uv == AL_UV_ATLAS && s->lightmap.samples == 7 &&
+          s->lightmap.back_scatter && s->lightmap.bounces == 8);
+    CHECK(s->has_probes && s->probes.order == 4 && s->probes.samples == 4096 && s->probes.point_count == 1 &&
+          s->probes.points[0][2] == 3);
     CHECK(s->translucents[0].blocker_count == 1 && strcmp(s->translucents[0].blockers[0], "b") == 0);
     CHECK(s->bake.directions == 64 && s->bake.samples == 0 && s->bake.radius_m == 0.25);
     CHECK(s->bake.grid_resolution == 128 && s->bake.sh_order == 8 &&
@@ -408,6 +438,7 @@ static void test_schema(void)
 int main(void)
 {
     test_refusals();
+    test_lighting_refusals();
     test_missing_file();
     test_light_count();
     test_values();

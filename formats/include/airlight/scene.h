@@ -55,12 +55,19 @@ typedef enum al_role {
     AL_ROLE_BLOCKER = 2      /* inside a translucent object: part of its asset; drawn black */
 } al_role;
 
+typedef enum al_lighting { /* what lights an opaque instance besides the lights themselves */
+    AL_LIGHTING_DYNAMIC = 0,  /* nothing baked */
+    AL_LIGHTING_LIGHTMAP = 1, /* it stands still: a lightmap holds all its light, direct light included */
+    AL_LIGHTING_PROBES = 2    /* it moves: direct light, and the probes' indirect light */
+} al_lighting;
+
 typedef struct al_instance {
     char *name;
     uint32_t mesh;
     uint32_t role;        /* al_role */
     uint32_t translucent; /* index into translucents for AL_ROLE_TRANSLUCENT and _BLOCKER, else AL_NO_INDEX */
     float world[16];      /* object space to world */
+    uint32_t lighting;    /* al_lighting; AL_LIGHTING_DYNAMIC unless the role is AL_ROLE_OPAQUE */
 } al_instance;
 
 typedef struct al_medium { /* coefficients at density 1 */
@@ -68,6 +75,18 @@ typedef struct al_medium { /* coefficients at density 1 */
     float sigma_s_per_m[3], sigma_a_per_m[3];
     float g; /* in (-1, 1) */
 } al_medium;
+
+typedef struct al_fog { /* a medium that fills the air between the surfaces */
+    uint32_t medium;
+    bool bounded;                         /* false: it reaches everywhere and the bounds are 0 */
+    float bounds_min_m[3], bounds_max_m[3]; /* world axes; outside there is nothing */
+    float density; /* of a constant medium (asset ""): multiplies the medium's coefficients */
+    char *asset;   /* file name of its `medium` asset beside scene.air; "" for a constant density */
+} al_fog;
+
+typedef struct al_baked_light { /* file names beside scene.air, "" where there is none */
+    char *lightmap, *probes;
+} al_baked_light;
 
 typedef struct al_translucent_object {
     char *name;
@@ -117,6 +136,9 @@ typedef struct al_scene {
     al_camera *cameras; /* at least one after the import */
     al_environment environment;
     al_play_settings play;
+    uint32_t fog_count;
+    al_fog *fogs;
+    al_baked_light baked;
     void *storage; /* private: what al_scene_free frees */
 } al_scene;
 

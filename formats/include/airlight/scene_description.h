@@ -42,6 +42,7 @@ typedef struct al_mesh_description {
     char *material;      /* overrides every material of the file when not "" */
     bool hidden;         /* imported only as a boundary, blocker or light of others */
     bool import_lights, import_cameras; /* those in the file */
+    al_lighting lighting;
 } al_mesh_description;
 
 typedef enum al_density_type { AL_DENSITY_CONSTANT = 0, AL_DENSITY_GRID = 1, AL_DENSITY_LAYERS = 2 } al_density_type;
@@ -91,6 +92,38 @@ typedef struct al_bake_settings {
     uint32_t seed;
 } al_bake_settings;
 
+/* How a lightmap or probe ray's response is kept from passing through walls: docs/methods.md. */
+typedef enum al_walls { AL_WALLS_PUBLISHED = 0, AL_WALLS_BOUNDED = 1, AL_WALLS_TRACED = 2 } al_walls;
+
+typedef enum al_uv_source {
+    AL_UV_AUTO = 0,  /* the file's second UV set where it serves, else our own atlas */
+    AL_UV_FILE = 1,  /* the file's, refused where it does not serve */
+    AL_UV_ATLAS = 2  /* always our own */
+} al_uv_source;
+
+typedef struct al_lightmap_settings {
+    double texel_m;           /* edge of a texel; 0: the lightmapped meshes' box diagonal / texels_across */
+    uint32_t texels_across;
+    uint32_t samples;         /* paths a texel */
+    uint32_t bounces;         /* diffuse reflections after the first surface that a path meets; 0: direct only */
+    al_walls walls;
+    bool back_scatter;        /* gather over the whole sphere, the receiver shifted along its normal */
+    double back_scatter_shift_m; /* 0: 0.125 texel edges */
+    al_uv_source uv;
+    uint32_t directional_order; /* bands of SH a texel beside the irradiance; 0: none */
+    uint32_t padding_texels;  /* between charts */
+    uint32_t page_size;       /* largest edge of a page, texels */
+    uint32_t seed;
+} al_lightmap_settings;
+
+typedef struct al_probe_settings {
+    uint32_t order;      /* SH bands, 1 to 8 */
+    uint32_t samples;    /* paths a probe */
+    double spacing_m;    /* of automatic placement; 0: the lightmapped meshes' box diagonal / 12 */
+    uint32_t point_count;
+    double (*points)[3]; /* given places; none: automatic */
+} al_probe_settings;
+
 typedef struct al_scene_description {
     char *path, *folder;
     double unit_m;
@@ -102,6 +135,11 @@ typedef struct al_scene_description {
     al_medium_description *media;
     al_translucent_description *translucents;
     al_environment_description environment;
+    uint32_t fog_count;
+    uint32_t *fogs;         /* [fog_count] media that fill the air */
+    bool has_probes;
+    al_lightmap_settings lightmap;
+    al_probe_settings probes;
     al_bake_settings bake;  /* what the scene file says over the defaults of `quality` */
     al_play_settings play;
     void *storage; /* private: what al_scene_description_free frees */
@@ -111,6 +149,8 @@ typedef enum al_quality { AL_QUALITY_PREVIEW = 0, AL_QUALITY_MEDIUM = 1, AL_QUAL
 
 /* The settings a quality stands for: where the scene file says nothing. */
 al_bake_settings al_bake_settings_for(al_quality quality);
+al_lightmap_settings al_lightmap_settings_for(al_quality quality);
+al_probe_settings al_probe_settings_for(al_quality quality);
 
 /* Parses and validates. Unknown keys, wrong types and ranges: AL_BAD_INPUT naming file, line and key path. */
 al_status al_scene_description_read(const char *path, al_quality quality, al_scene_description **description,
