@@ -130,6 +130,17 @@ static al_status draw_tile(al_draw *draw)
     return status ? status : al_output_draw(draw);
 }
 
+/* A tile is finished, `done` of `total`: tells the caller, who may want no more. */
+static al_status report(const al_draw *draw, int32_t done, int32_t total)
+{
+    const al_settings *settings = &draw->settings;
+    if (!settings->progress) return AL_OK;
+    if (done < total) glFinish();
+    return settings->progress(settings->progress_user, done, total)
+               ? al_fail(draw->error, AL_CANCELLED, "stopped")
+               : AL_OK;
+}
+
 /* Equal tiles of at most AL_TILE_WIDTH x AL_TILE_HEIGHT; the last of a row or column may be smaller. */
 static al_status draw_tiles(al_draw *draw)
 {
@@ -137,6 +148,7 @@ static al_status draw_tiles(al_draw *draw)
     int32_t columns = (width + AL_TILE_WIDTH - 1) / AL_TILE_WIDTH,
             rows = (height + AL_TILE_HEIGHT - 1) / AL_TILE_HEIGHT;
     int32_t tile_width = (width + columns - 1) / columns, tile_height = (height + rows - 1) / rows;
+    int32_t done = 0;
     al_status status = AL_OK;
     for (int32_t y = 0; y < height && !status; y += tile_height)
         for (int32_t x = 0; x < width && !status; x += tile_width) {
@@ -145,6 +157,7 @@ static al_status draw_tiles(al_draw *draw)
             draw->tile[2] = width - x < tile_width ? width - x : tile_width;
             draw->tile[3] = height - y < tile_height ? height - y : tile_height;
             status = draw_tile(draw);
+            if (!status) status = report(draw, ++done, columns * rows);
         }
     return status;
 }

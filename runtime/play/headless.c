@@ -27,6 +27,8 @@ typedef struct session {
     al_target target;
     al_image sum; /* of the frames, when they are averaged */
     al_stats stats;
+    al_progress progress;
+    unsigned frame;
     al_eye eye;
     al_bounds bounds;
 } session;
@@ -61,13 +63,21 @@ static al_status check_outputs(const al_play_options *options, al_error *error)
     return status;
 }
 
-static al_status draw(session *s, unsigned frame, al_error *error)
+static bool on_tile(void *user, double done, double total)
+{
+    session *s = user;
+    return al_progress_update(&s->progress, s->frame + done / total, s->options->frames);
+}
+
+static al_status draw(session *s, al_error *error)
 {
     float offset[2] = {0, 0};
-    if (s->options->accumulate) al_jitter(frame, offset);
+    al_settings settings = s->options->settings;
+    settings.progress = on_tile;
+    settings.progress_user = s;
+    if (s->options->accumulate) al_jitter(s->frame, offset);
     al_view view = al_eye_view(&s->eye, &s->bounds, offset, s->target.width, s->target.height);
-    al_status status =
-        al_runtime_draw(s->runtime, &view, &s->options->settings, s->target.framebuffer, 0, error);
+    al_status status = al_runtime_draw(s->runtime, &view, &settings, s->target.framebuffer, 0, error);
     glFinish();
     return status;
 }
@@ -86,6 +96,8 @@ static al_status look_at_scene(session *s, al_error *error)
 /* Loads the folder to its end. With --first-picture frames are drawn meanwhile, as the window does. */
 static al_status load(session *s, al_error *error)
 {
+    s->frame = 0;
+    al_progress_begin(&s->progress, s->program, "render");
     bool stream = s->options->first_picture;
     al_load_state state = {0};
     double start_s = al_program_seconds();
@@ -99,7 +111,7 @@ static al_status load(session *s, al_error *error)
             pause_ms(0.2);
             continue;
         }
-        status = draw(s, 0, error);
+        status = draw(s, error);
         if (isnan(s->stats.first_picture_ms))
             s->stats.first_picture_ms = 1e3 * (al_program_seconds() - start_s);
     }
@@ -117,7 +129,7 @@ static void frame_path(const char *pattern, unsigned frame, char *path, size_t s
         snprintf(path, size, "%s", pattern);
 }
 
-static al_status write_pictures(session *s, const al_image *image, unsigned frame, bool last, al_error *error)
+static al_status write_pictures(session *s, const al_image *image, bool last, al_error *error)
 {
     const al_scene *scene = al_runtime_scene(s->runtime);
     al_status status = AL_OK;
@@ -125,7 +137,7 @@ static al_status write_pictures(session *s, const al_image *image, unsigned fram
         char path[4096];
         const char *pattern = s->options->out.values[i];
         if (!last && !strstr(pattern, "%04d")) continue;
-        frame_path(pattern, frame, path, sizeof path);
+        frame_path(pattern, s->frame, path, sizeof path);
         status = al_picture_write(path, image, al_pass_is_light(s->options->settings.pass),
                                   al_play_exposure(s->options, scene), error);
     }
@@ -141,37 +153,37 @@ static bool wants_picture(const session *s, bool last)
 }
 
 /* Adds `image` to the sum and replaces it by the mean so far. */
-static al_status accumulate(session *s, unsigned frame, al_image *image, al_error *error)
+static al_status accumulate(session *s, al_image *image, al_error *error)
 {
     size_t count = (size_t)image->width * image->height * 3;
-    if (frame == 0) {
+    if (s->frame == 0) {
         al_image_free(&s->sum);
         s->sum = (al_image){image->width, image->height, 3, calloc(count, sizeof(float))};
         if (!s->sum.pixels) return al_fail(error, AL_IO, "out of memory for the mean of the frames");
     }
     for (size_t i = 0; i < count; i++) {
         s->sum.pixels[i] += image->pixels[i];
-        image->pixels[i] = s->sum.pixels[i] / (float)(frame + 1);
+        image->pixels[i] = s->sum.pixels[i] / (float)(s->frame + 1);
     }
     return AL_OK;
 }
 
-static al_status render_frame(session *s, unsigned frame, bool last, al_error *error)
+static al_status render_frame(session *s, bool last, al_error *error)
 {
     al_image image = {0};
     al_load_state state;
     al_pass_time times[TIMES_LIMIT];
     double start_s = al_program_seconds();
     al_status status = al_runtime_update(s->runtime, 0, &state, error);
-    if (!status) status = draw(s, frame, error);
+    if (!status) status = draw(s, error);
     if (status) return status;
     double frame_ms = 1e3 * (al_program_seconds() - start_s);
     status =
         al_stats_add(&s->stats, frame_ms, times, al_runtime_times(s->runtime, times, TIMES_LIMIT), error);
     if (status || !wants_picture(s, last)) return status;
     status = al_target_read(&s->target, &image, error);
-    if (!status && s->options->accumulate) status = accumulate(s, frame, &image, error);
-    if (!status) status = write_pictures(s, &image, frame, last, error);
+    if (!status && s->options->accumulate) status = accumulate(s, &image, error);
+    if (!status) status = write_pictures(s, &image, last, error);
     al_image_free(&image);
     return status;
 }
@@ -180,9 +192,10 @@ static al_status render(session *s, al_error *error)
 {
     unsigned count = (unsigned)s->options->frames;
     al_status status = AL_OK;
-    for (unsigned frame = 0; frame < count && !status; frame++)
-        status =
-            al_program_cancelled() ? cancelled(error) : render_frame(s, frame, frame + 1 == count, error);
+    al_progress_begin(&s->progress, s->program, "render");
+    for (s->frame = 0; s->frame < count && !status; s->frame++)
+        status = al_program_cancelled() ? cancelled(error) : render_frame(s, s->frame + 1 == count, error);
+    if (!status) al_progress_end(&s->progress);
     if (!status && s->options->stats)
         status = al_stats_write(s->options->stats, &s->stats, s->runtime, error);
     return status;
@@ -206,7 +219,7 @@ static al_status render_and_watch(session *s, al_error *error)
         al_program_fail(s->program, error);
         status = AL_OK;
     }
-    return status;
+    return status == AL_CANCELLED ? AL_OK : status;
 }
 
 static void print_plan(al_runtime *runtime)

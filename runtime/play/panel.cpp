@@ -184,7 +184,7 @@ static void show_panel(al_panel_state *state)
 {
     al_scene *scene = al_runtime_scene(state->runtime);
     ImGui::SetNextWindowPos(ImVec2(8, 8), ImGuiCond_FirstUseEver);
-    ImGui::SetNextWindowSize(ImVec2(330, 560), ImGuiCond_FirstUseEver);
+    ImGui::SetNextWindowSize(ImVec2(330, 590), ImGuiCond_FirstUseEver);
     ImGui::Begin("airlight");
     ImGui::PushItemWidth(150);
     if (!scene)

@@ -2,6 +2,7 @@
  * large view in tiles. Nothing may be negative or not finite; where a closed form exists it is met. */
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "../test.h"
 #include "airlight/formulas.h"
@@ -151,6 +152,50 @@ static void test_tiles(const char *folder)
     al_runtime_destroy(runtime);
 }
 
+typedef struct tiles {
+    double done, total, stop_at;
+} tiles;
+
+static bool on_tile(void *user, double done, double total)
+{
+    tiles *t = user;
+    CHECK(done == t->done + 1 && done <= total);
+    t->done = done;
+    t->total = total;
+    return done >= t->stop_at;
+}
+
+/* The largest picture of the player, whole: it holds as much light per area as a small one. The small one's
+ * sphere is 51 pixels across; a pixel at its rim is in or out by chance, which is worth 1 % at one in 160. */
+static void test_largest(const char *folder)
+{
+    enum { LARGE = 8192, SMALL = 512 };
+    al_runtime *runtime = open_sphere(folder, &(sphere_options){.samples = 200}, 1);
+    al_view large = stage_ortho(LARGE, LARGE, 10), small = stage_ortho(SMALL, SMALL, 10);
+    tiles all = {.stop_at = INFINITY}, some = {.stop_at = 2};
+    al_settings settings = {
+        .surface_off = true, .detail_off = true, .progress = on_tile, .progress_user = &some};
+    time_t start_s = time(NULL);
+    CHECK(stage_draw(runtime, &large, &settings, 0) == NULL);
+    CHECK(some.done == 2 && some.total == 4 * 8);
+    settings.progress_user = &all;
+    float *picture = stage_draw(runtime, &large, &settings, 0);
+    CHECK(all.done == 4 * 8);
+    printf("8192 x 8192 pixels: %.0f s, %.0f MiB\n", difftime(time(NULL), start_s),
+           (double)al_runtime_memory(runtime) / 1048576);
+    CHECK(al_runtime_memory(runtime) < (uint64_t)512 << 20); /* tiles, whatever the view's size */
+    settings.progress = NULL;
+    float *thumbnail = stage_draw(runtime, &small, &settings, 0);
+    size_t count = (size_t)LARGE * LARGE * 3;
+    CHECK(picture && thumbnail && stage_bad(picture, count) == 0);
+    if (picture && thumbnail)
+        CHECK_NEAR(stage_sum(picture, count) / stage_sum(thumbnail, (size_t)SMALL * SMALL * 3),
+                   (LARGE / SMALL) * (LARGE / SMALL), 0.02 * (LARGE / SMALL) * (LARGE / SMALL));
+    free(picture);
+    free(thumbnail);
+    al_runtime_destroy(runtime);
+}
+
 int main(void)
 {
     if (!stage_open()) return test_skip("no OpenGL 4.5 context");
@@ -160,5 +205,6 @@ int main(void)
     test_lights(folder);
     test_sizes(folder);
     test_tiles(folder);
+    test_largest(folder);
     return test_end();
 }

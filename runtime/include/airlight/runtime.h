@@ -82,6 +82,10 @@ typedef struct al_settings {
     uint32_t interval_count; /* knots of the interval map, 0: 16; 4 to 32 */
     float march_voxels;      /* step of the march in voxels, 0: 0.5 */
     al_pass pass;
+    /* Called, unless NULL, when another tile of at most 2048 x 1088 pixels is finished; waits for the device
+     * between tiles. Answering true ends the frame there with AL_CANCELLED. */
+    bool (*progress)(void *user, double done, double total);
+    void *progress_user;
 } al_settings;
 
 typedef struct al_view {
