@@ -55,7 +55,7 @@ static al_status open_state(const al_import *import, void **out, al_error *error
     state->lights = import->scene.lights;
     state->light_count = import->scene.light_count;
     al_status status = al_environment_sampler_create(&import->scene.environment, &state->environment, error);
-    if (!status) status = al_ray_scene_create(import, &state->scene, error);
+    if (!status) status = al_ray_scene_create(import, AL_RAY_SCENE_ALL, &state->scene, error);
     if (status)
         close_state(state);
     else

@@ -376,7 +376,7 @@ static void test_chords(void)
     al_error error;
     al_line line = {0};
     int wrong = 0;
-    CHECK(al_ray_scene_create(scene.import, &rays, &error) == AL_OK);
+    CHECK(al_ray_scene_create(scene.import, AL_RAY_SCENE_ALL, &rays, &error) == AL_OK);
     for (int i = -6; i <= 6; i++)
         for (int k = -6; k <= 6; k++) {
             double x = 0.1 * i, y = 0.1 * k;

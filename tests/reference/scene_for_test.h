@@ -23,12 +23,12 @@ static inline void close_scene(test_scene *scene)
     *scene = (test_scene){0};
 }
 
-/* `json` is the scene file with ' for ". Ends the test program when it cannot be opened. */
-static inline test_scene open_scene(const char *json)
+/* `json` is the scene file with ' for ". Ends the test program when it cannot be read. */
+static inline al_import *import_scene(const char *json)
 {
     char path[64];
     snprintf(path, sizeof path, "scene_of_test_%ld.json", (long)getpid());
-    test_scene scene = {0};
+    al_import *import = NULL;
     al_error error = {0};
     FILE *file = fopen(path, "w");
     for (const char *c = json; file && *c; c++) fputc(*c == '\'' ? '"' : *c, file);
@@ -36,12 +36,22 @@ static inline test_scene open_scene(const char *json)
         perror(path);
         exit(1);
     }
-    if (al_import_scene(path, AL_QUALITY_FINAL, &scene.import, &error) ||
-        al_mode_single_scatter.open(scene.import, &scene.state, &error)) {
+    if (al_import_scene(path, AL_QUALITY_FINAL, &import, &error)) {
         fprintf(stderr, "%s\n", error.message);
         exit(1);
     }
     remove(path);
+    return import;
+}
+
+static inline test_scene open_scene(const char *json)
+{
+    test_scene scene = {.import = import_scene(json)};
+    al_error error = {0};
+    if (al_mode_single_scatter.open(scene.import, &scene.state, &error)) {
+        fprintf(stderr, "%s\n", error.message);
+        exit(1);
+    }
     scene.scratch = al_mode_single_scatter.scratch_new();
     return scene;
 }

@@ -7,6 +7,7 @@
 #include <embree3/rtcore.h>
 
 #include "geometry.h"
+#include "surface_color.h"
 
 /* A ray's crossing of a boundary. */
 typedef struct al_crossing {
@@ -22,6 +23,12 @@ typedef struct surface {
     uint32_t *indices; /* [triangle_count][3], counter-clockwise seen from outside */
     uint32_t vertex_count, triangle_count;
     uint32_t object; /* AL_NO_INDEX for opaque ones */
+    /* of opaque ones */
+    uint32_t instance;
+    double rotation[9]; /* of normals, row-major; the vertices' normals are made unit after it */
+    bool mirrored;      /* the transform turns triangles round */
+    const al_mesh *mesh;
+    uint32_t *materials; /* [triangle_count] */
 } surface;
 
 struct al_ray_scene {
@@ -29,6 +36,9 @@ struct al_ray_scene {
     RTCScene boundaries, opaques;
     surface *surfaces; /* [surface_count]; Embree's geometry number is the place in here, in both scenes */
     uint32_t surface_count, object_count;
+    const al_scene *from;
+    uint32_t *instance_surfaces; /* [from->instance_count], AL_NO_INDEX for what is not in `opaques` */
+    al_surface_colors colors;
     double low[3], high[3], centre[3], radius_m;
 };
 
@@ -80,14 +90,32 @@ cleanup:
     return status;
 }
 
-static al_status add_opaque(const al_import *import, const al_instance *instance, surface *out,
-                            al_error *error)
+static void fill_materials(const al_mesh *mesh, uint32_t *materials)
 {
+    for (uint32_t i = 0; i < mesh->submesh_count; i++) {
+        const al_submesh *part = &mesh->submeshes[i];
+        for (uint32_t t = 0; t < part->index_count / 3; t++)
+            materials[part->first_index / 3 + t] = part->material;
+    }
+}
+
+static al_status add_opaque(const al_import *import, uint32_t index, surface *out, al_error *error)
+{
+    const al_instance *instance = &import->scene.instances[index];
     const al_mesh *mesh = &import->scene.meshes[instance->mesh];
     double world[16];
     to_double(instance->world, world);
     al_status status = allocate_surface(mesh->vertex_count, mesh->index_count / 3, out, error);
     if (status) return status;
+    out->materials = calloc(out->triangle_count + (size_t)1, sizeof *out->materials);
+    if (!out->materials) return out_of_memory(error);
+    fill_materials(mesh, out->materials);
+    out->mesh = mesh;
+    out->instance = index;
+    out->mirrored = al_matrix_determinant(world) < 0;
+    /* Instances are only turned, moved and scaled evenly: normals turn like vectors. */
+    for (int row = 0; row < 3; row++)
+        for (int column = 0; column < 3; column++) out->rotation[3 * row + column] = world[4 * column + row];
     for (size_t i = 0; i < mesh->vertex_count; i++) {
         double position[3] = {mesh->positions[3 * i], mesh->positions[3 * i + 1], mesh->positions[3 * i + 2]};
         al_matrix_point(world, position, out->positions + 3 * i);
@@ -97,18 +125,29 @@ static al_status add_opaque(const al_import *import, const al_instance *instance
     return AL_OK;
 }
 
-static al_status add_surfaces(al_ray_scene *scene, const al_import *import, al_error *error)
+static bool is_wanted(const al_instance *instance, al_ray_scene_content content)
 {
-    const al_scene *from = &import->scene;
+    if (instance->role == AL_ROLE_TRANSLUCENT) return false;
+    return content == AL_RAY_SCENE_ALL || instance->lighting != AL_LIGHTING_PROBES;
+}
+
+static al_status add_surfaces(al_ray_scene *scene, const al_import *import, al_ray_scene_content content,
+                              al_error *error)
+{
+    const al_scene *from = scene->from = &import->scene;
     al_status status = AL_OK;
+    scene->instance_surfaces = malloc(sizeof(uint32_t) * (from->instance_count + (size_t)1));
     scene->object_count = from->translucent_count;
     scene->surfaces = calloc((size_t)from->translucent_count + from->instance_count + 1, sizeof(surface));
-    if (!scene->surfaces) return out_of_memory(error);
+    if (!scene->surfaces || !scene->instance_surfaces) return out_of_memory(error);
     for (uint32_t i = 0; i < from->translucent_count && !status; i++)
         status = add_boundary(import, i, &scene->surfaces[scene->surface_count++], error);
-    for (uint32_t i = 0; i < from->instance_count && !status; i++)
-        if (from->instances[i].role != AL_ROLE_TRANSLUCENT)
-            status = add_opaque(import, &from->instances[i], &scene->surfaces[scene->surface_count++], error);
+    for (uint32_t i = 0; i < from->instance_count && !status; i++) {
+        scene->instance_surfaces[i] = AL_NO_INDEX;
+        if (!is_wanted(&from->instances[i], content)) continue;
+        scene->instance_surfaces[i] = scene->surface_count;
+        status = add_opaque(import, i, &scene->surfaces[scene->surface_count++], error);
+    }
     return status;
 }
 
@@ -165,12 +204,14 @@ static al_status build(al_ray_scene *scene, al_error *error)
     return AL_OK;
 }
 
-al_status al_ray_scene_create(const al_import *import, al_ray_scene **scene, al_error *error)
+al_status al_ray_scene_create(const al_import *import, al_ray_scene_content content, al_ray_scene **scene,
+                              al_error *error)
 {
     *scene = NULL;
     al_ray_scene *made = calloc(1, sizeof *made);
     if (!made) return out_of_memory(error);
-    al_status status = add_surfaces(made, import, error);
+    made->colors = al_surface_colors_of(&import->scene);
+    al_status status = add_surfaces(made, import, content, error);
     measure(made);
     if (!status) status = build(made, error);
     if (status)
@@ -190,7 +231,9 @@ void al_ray_scene_free(al_ray_scene *scene)
         free(scene->surfaces[i].positions);
         free(scene->surfaces[i].embree);
         free(scene->surfaces[i].indices);
+        free(scene->surfaces[i].materials);
     }
+    free(scene->instance_surfaces);
     free(scene->surfaces);
     free(scene);
 }
@@ -399,4 +442,108 @@ bool al_ray_scene_is_blocked(const al_ray_scene *scene, const al_ray *ray, doubl
     rtcInitIntersectContext(&context);
     rtcOccluded1(scene->opaques, &context, &query);
     return query.tfar < 0;
+}
+
+/* --- points of opaque surfaces --- */
+
+/* Offset of rays from the surface: Embree sees vertices and origins rounded to float about the centre. A
+ * triangle moves by at most sqrt(3) 2^-24 m, m the largest coordinate of its vertices (its points are convex
+ * combinations of them), the origin of a ray on it by as much; the signed distance of an origin to a plane,
+ * computed from differences of up to 2 m, is off by a few times 2^-24 of those. 32 * 2^-24 m is above the
+ * sum. */
+static const double offset_scale = 32 * 0x1p-24;
+
+static double normalize(double v[3])
+{
+    double length = sqrt(dot(v, v));
+    for (int k = 0; k < 3 && length > 0; k++) v[k] /= length;
+    return length;
+}
+
+/* Everything but the distance and what is seen of it from the ray. Weights w of the three vertices. */
+static void fill_point(const al_ray_scene *scene, const surface *s, uint32_t triangle, const double w[3],
+                       al_surface_hit *hit)
+{
+    const uint32_t *index = s->indices + 3 * (size_t)triangle;
+    const al_mesh *mesh = s->mesh;
+    double a[3], b[3], largest = 0, vertex_normal[3] = {0}, side = s->mirrored ? -1 : 1;
+    const double *v[3];
+    for (int i = 0; i < 3; i++) v[i] = s->positions + 3 * (size_t)index[i];
+    hit->uv0[0] = hit->uv0[1] = 0;
+    for (int k = 0; k < 3; k++) {
+        a[k] = v[1][k] - v[0][k];
+        b[k] = v[2][k] - v[0][k];
+        hit->position[k] = v[0][k] + w[1] * a[k] + w[2] * b[k];
+        for (int i = 0; i < 3; i++) {
+            largest = fmax(largest, fabs(v[i][k] - scene->centre[k]));
+            vertex_normal[k] += w[i] * mesh->normals[3 * (size_t)index[i] + k];
+            if (mesh->uv0 && k < 2) hit->uv0[k] += w[i] * mesh->uv0[2 * (size_t)index[i] + k];
+        }
+    }
+    hit->offset_m = offset_scale * largest;
+    hit->normal[0] = side * (a[1] * b[2] - a[2] * b[1]);
+    hit->normal[1] = side * (a[2] * b[0] - a[0] * b[2]);
+    hit->normal[2] = side * (a[0] * b[1] - a[1] * b[0]);
+    normalize(hit->normal);
+    for (int k = 0; k < 3; k++) hit->shading_normal[k] = dot(s->rotation + 3 * k, vertex_normal);
+    bool smooth = normalize(hit->shading_normal) > 0;
+    double turn = dot(hit->shading_normal, hit->normal) < 0 ? -1 : 1;
+    for (int k = 0; k < 3; k++)
+        hit->shading_normal[k] = smooth ? turn * hit->shading_normal[k] : hit->normal[k];
+    hit->instance = s->instance;
+    hit->triangle = triangle;
+    hit->material = &scene->from->materials[s->materials[triangle]];
+    al_surface_albedo(&scene->colors, hit->material, hit->uv0, hit->albedo);
+    al_surface_emission(&scene->colors, hit->material, hit->uv0, hit->emission_w_m2_sr);
+    if (scene->from->instances[s->instance].role == AL_ROLE_BLOCKER)
+        for (int c = 0; c < 3; c++) hit->albedo[c] = hit->emission_w_m2_sr[c] = 0;
+}
+
+bool al_ray_scene_hit(const al_ray_scene *scene, const al_ray *ray, double end_m, al_surface_hit *hit)
+{
+    struct RTCRayHit query = {
+        .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
+    struct RTCIntersectContext context;
+    double shift_m;
+    int sign;
+    if (!embree_ray(scene, ray, 0, &shift_m, &query.ray) || shift_m >= end_m) return false;
+    query.ray.tfar = (float)(end_m - shift_m);
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene->opaques, &context, &query);
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+    const surface *s = &scene->surfaces[query.hit.geomID];
+    double u = query.hit.u, v = query.hit.v;
+    hit->distance_m =
+        fmax(0, plane_distance(scene, s, query.hit.primID, ray, query.ray.tfar + shift_m, &sign));
+    fill_point(scene, s, query.hit.primID, (double[]){1 - u - v, u, v}, hit);
+    hit->front = dot(hit->normal, ray->direction) < 0;
+    if (!hit->front && !hit->material->double_sided)
+        for (int c = 0; c < 3; c++) hit->emission_w_m2_sr[c] = 0;
+    return true;
+}
+
+uint32_t al_ray_scene_triangle_count(const al_ray_scene *scene, uint32_t instance)
+{
+    uint32_t index = scene->instance_surfaces[instance];
+    return index == AL_NO_INDEX ? 0 : scene->surfaces[index].triangle_count;
+}
+
+void al_ray_scene_point(const al_ray_scene *scene, uint32_t instance, uint32_t triangle, double u, double v,
+                        al_surface_hit *point)
+{
+    const surface *s = &scene->surfaces[scene->instance_surfaces[instance]];
+    fill_point(scene, s, triangle, (double[]){1 - u - v, u, v}, point);
+    point->distance_m = 0;
+    point->front = true;
+}
+
+void al_surface_offset(const al_surface_hit *hit, const double direction[3], double origin[3])
+{
+    double step = dot(hit->normal, direction) < 0 ? -hit->offset_m : hit->offset_m;
+    for (int k = 0; k < 3; k++) origin[k] = hit->position[k] + step * hit->normal[k];
+}
+
+double al_ray_scene_offset_m(const al_ray_scene *scene)
+{
+    return offset_scale * scene->radius_m;
 }
