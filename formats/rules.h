@@ -58,7 +58,17 @@
     RULE(AL_RULE_SCENE_ENVIRONMENT, 315, "ENVM holds the pixels of the environment, if there is one") \
     RULE(AL_RULE_SCENE_GEOMETRY_PADDING, 316, "bytes between the arrays of a GEOM chunk are zero") \
     RULE(AL_RULE_SCENE_LIGHTING, 317, "only opaque instances are lit by a lightmap or probes") \
-    RULE(AL_RULE_SCENE_FOG, 318, "a fog has its lower bounds below the upper ones, or none and zeros")
+    RULE(AL_RULE_SCENE_FOG, 318, "a fog has its lower bounds below the upper ones, or none and zeros") \
+    RULE(AL_RULE_IMPULSE_RANGE, 401, "the tabulated distances rise") \
+    RULE(AL_RULE_IMPULSE_COUNT, 402, "there is one TABL chunk for each table") \
+    RULE(AL_RULE_IMPULSE_SIZE, 403, "a TABL chunk has the size its counts need") \
+    RULE(AL_RULE_IMPULSE_NUMBERS, 404, "an entry has the numbers that its emitter and axis need") \
+    RULE(AL_RULE_IMPULSE_COSINES, 405, "tables of the area emitter have an odd number of cosines, 7 or more, others 1") \
+    RULE(AL_RULE_IMPULSE_EVENTS, 406, "the events of a table lie in those of the file, first to last") \
+    RULE(AL_RULE_IMPULSE_ANGLES, 407, "only event 1 is resolved by angle, or has g other than 0") \
+    RULE(AL_RULE_IMPULSE_PADDING, 408, "bytes between the arrays of a TABL chunk are zero") \
+    RULE(AL_RULE_IMPULSE_TWICE, 409, "no two tables say the same") \
+    RULE(AL_RULE_IMPULSE_MISSING, 410, "each emitter has an isotropic table of each event")
 
 #define AL_RULE_ENUM(name, number, text) name = number,
 enum al_rule { AL_RULES(AL_RULE_ENUM) };

@@ -11,6 +11,23 @@ void al_sh_basis_f(int order, const float direction[3], float *basis)
     for (int i = 0; i < order * order; i++) basis[i] = (float)values[i];
 }
 
+/* The recurrence above al_sh_basis (formulas.h). */
+void al_sh_column(int m, int band_count, double z, double *column)
+{
+    double here = 0.28209479177387814, below = 0, factor = 1;
+    for (int i = 1; i <= m; i++) here *= sqrt((2 * i + 1) / (2.0 * i));
+    for (int l = m; l < band_count; l++) {
+        if (l > m) {
+            double previous_factor = factor;
+            factor = sqrt((4.0 * l * l - 1) / (1.0 * (l * l - m * m)));
+            double next = factor * (z * here - below / previous_factor);
+            below = here;
+            here = next;
+        }
+        column[l] = here;
+    }
+}
+
 /* Nodes and weights of Gauss-Legendre quadrature with `count` points: the roots of the Legendre polynomial P,
  * by Newton's method from cos(pi (i + 3/4) / (count + 1/2)), with P and its derivative from the recurrence
  * n P(n) = (2n-1) z P(n-1) - (n-1) P(n-2),  (z^2 - 1) P'(n) = n (z P(n) - P(n-1)); weight 2 / ((1 - z^2)

@@ -1,4 +1,5 @@
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -57,10 +58,15 @@ al_status query_keys(const json_t *query, const char *const *keys, al_error *err
 {
     for (void *i = json_object_iter((json_t *)query); i; i = json_object_iter_next((json_t *)query, i)) {
         const char *const *known = keys;
+        char list[256] = "";
         while (*known && strcmp(*known, json_object_iter_key(i))) known++;
-        if (!*known)
-            return al_fail(error, AL_USAGE, "--eval: unknown key \"%s\", this kind of asset takes %s and %s",
-                           json_object_iter_key(i), keys[0], keys[1]);
+        if (*known) continue;
+        for (const char *const *key = keys; *key; key++) {
+            size_t used = strlen(list);
+            snprintf(list + used, sizeof list - used, "%s%s", key == keys ? "" : key[1] ? ", " : " and ", *key);
+        }
+        return al_fail(error, AL_USAGE, "--eval: unknown key \"%s\", this kind of asset takes %s",
+                       json_object_iter_key(i), list);
     }
     return AL_OK;
 }

@@ -7,7 +7,8 @@
 #include "airlight/program.h"
 #include "inspect.h"
 
-static const inspected_kind *const kinds[] = {&inspected_translucent, &inspected_scene};
+static const inspected_kind *const kinds[] = {&inspected_translucent, &inspected_scene,
+                                             &inspected_impulse_tables};
 
 typedef struct request {
     bool check, json;
@@ -199,7 +200,8 @@ int main(int argc, char **argv)
          "validate everything, list all that is found; exit code 1 when the file is not valid", 0, 0},
         {"--json", NULL, AL_OPTION_FLAG, &asked.json, "header, chunks and statistics as JSON", 0, 0},
         {"--eval", "JSON", AL_OPTION_STRING, &asked.query,
-         "what the asset says at a point: {\"position\": [x, y, z], \"direction\": [x, y, z]}", 0, 0},
+         "what the asset says at a point. translucent: {\"position\": [x, y, z], \"direction\": [x, y, z]};\n"
+         "                             impulse-tables: {\"emitter\": \"point\", \"distance\": 2, \"sigma_s\": 0.5, \"events\": [1]}", 0, 0},
         {"--image", "OUT.png", AL_OPTION_STRING, &asked.image, "draw the asset", 0, 0},
     };
     al_program program = {"airlight-inspect",

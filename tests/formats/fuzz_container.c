@@ -7,6 +7,7 @@
 
 #include <math.h>
 
+#include "airlight/impulse_tables.h"
 #include "airlight/scene.h"
 #include "airlight/translucent.h"
 #include "forge.h"
@@ -58,6 +59,24 @@ static bool read_scene(const al_file *file)
     return true;
 }
 
+static bool read_impulse(const al_file *file)
+{
+    al_impulse_tables *tables;
+    al_impulse_answer answer;
+    if (al_impulse_tables_read(file, &tables, NULL) != AL_OK) return false;
+    uint32_t events = al_impulse_tables_info(tables)->event_count;
+    for (int i = 0; i < 12; i++) {
+        al_impulse_query q = {.emitter = (al_impulse_emitter)(i % 3), .variant = (al_impulse_variant)(i / 6),
+                              .first_event = 0, .last_event = events, .distance_m = i % 2 ? 1e-9 : 0.7,
+                              .cos_normal = i / 3 % 2 ? -0.3 : 1, .sigma_s_per_m = 1.5, .sigma_a_per_m = i % 2,
+                              .g = i / 3 % 2 ? 0.4 : 0};
+        al_impulse_response(tables, &q, &answer);
+        REQUIRE(answer.band_count == al_impulse_tables_info(tables)->band_count);
+    }
+    al_impulse_tables_free(tables);
+    return true;
+}
+
 /* Number of findings, and a hash of them, to compare two ways of checking. */
 static void count_finding(void *user, int rule, const char *message)
 {
@@ -77,7 +96,10 @@ static void try_bytes(const uint8_t *data, size_t size)
             first == second);
     al_status opened = al_file_from_memory("input", data, size, NULL, &file, NULL);
     if (opened == AL_OK) {
-        bool read = al_file_kind(file) == AL_KIND_SCENE ? read_scene(file) : read_translucent(file);
+        al_kind kind = al_file_kind(file);
+        bool read = kind == AL_KIND_SCENE            ? read_scene(file)
+                    : kind == AL_KIND_IMPULSE_TABLES ? read_impulse(file)
+                                                     : read_translucent(file);
         REQUIRE(read || checked != AL_OK);
         al_file_close(file);
     } else {

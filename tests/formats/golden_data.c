@@ -110,3 +110,30 @@ void golden_fill_lit_scene(al_scene *scene)
     scene->fog_count = 2;
     scene->baked = (al_baked_light){"room.lightmap.air", "room.probes.air"};
 }
+
+/* --- impulse tables --- */
+
+void golden_fill_impulse(golden_impulse *golden)
+{
+    enum { POINT = AL_IMPULSE_POINT, SUN = AL_IMPULSE_DIRECTIONAL, AREA = AL_IMPULSE_AREA };
+    static const al_impulse_table tables[GOLDEN_TABLES] = {
+        {POINT, 0, 1, 1, 4, 1, 0, 3, 0, NULL, NULL},      {POINT, 0, 2, 2, 4, 1, 0, 3, 0, NULL, NULL},
+        {SUN, 0, 1, 1, 4, 1, 0, 3, 0, NULL, NULL},        {SUN, 0, 2, 2, 4, 1, 0, 3, 0, NULL, NULL},
+        {AREA, 0, 1, 1, 4, 7, 0, 6, 0, NULL, NULL},       {AREA, 0, 2, 2, 4, 7, 0, 6, 0, NULL, NULL},
+        {AREA, 1, 1, 1, 4, 7, 0, 4, 0, NULL, NULL},       {POINT, 0, 1, 1, 4, 1, 2, 3, 0, NULL, NULL},
+        {POINT, 0, 1, 1, 4, 1, 0, 3, -0.5f, NULL, NULL},  {POINT, 0, 1, 2, 4, 1, 0, 3, 0, NULL, NULL},
+    };
+    memset(golden, 0, sizeof *golden);
+    golden->angles[0] = -1.5f;
+    golden->angles[1] = 0.75f;
+    for (int t = 0; t < GOLDEN_TABLES; t++) {
+        al_impulse_table *table = &golden->tables[t];
+        *table = tables[t];
+        table->values = golden->values[t];
+        if (table->angle_count) table->angles = golden->angles;
+        for (uint32_t i = 0; i < 7 * 4 * 6; i++)
+            golden->values[t][i] = i % table->number_count == 0 ? 1 + (float)i / 64 : (float)(t + 1) / (float)(i + 2);
+    }
+    golden->data = (al_impulse_data){{3, 2, GOLDEN_TABLES, 0.0009765625, 1024, 0.0000152587890625, 0.0001220703125},
+                                     golden->tables, "{\"key\":\"00112233445566aa\"}"};
+}

@@ -3,6 +3,7 @@
 #ifndef AIRLIGHT_GOLDEN_DATA_H
 #define AIRLIGHT_GOLDEN_DATA_H
 
+#include "airlight/impulse_tables.h"
 #include "airlight/scene.h"
 #include "airlight/translucent.h"
 
@@ -21,5 +22,15 @@ void golden_fill_translucent(al_coefficient_format format, golden_translucent *g
 void golden_fill_scene(al_scene *scene);
 /* The same with a floor that has a lightmap, two fogs and the names of baked light. */
 void golden_fill_lit_scene(al_scene *scene);
+
+/* Impulse tables of 3 bands, 2 events, 4 distances and 7 cosines: all that must be there, and one of each kind
+ * that may be. */
+enum { GOLDEN_TABLES = 10 };
+typedef struct golden_impulse {
+    al_impulse_data data;
+    al_impulse_table tables[GOLDEN_TABLES];
+    float angles[2], values[GOLDEN_TABLES][7 * 4 * 6];
+} golden_impulse;
+void golden_fill_impulse(golden_impulse *golden);
 
 #endif

@@ -9,7 +9,8 @@
 #include "rules.h"
 
 static const char *const valid[] = {"translucent_float_1_0", "translucent_half_1_0", "translucent_byte_1_0",
-                                    "scene_1_0",            "scene_lit_1_0"};
+                                    "scene_1_0",            "scene_lit_1_0",
+                                    "impulse_tables_1_0"};
 
 static forged load_golden(const char *name)
 {
@@ -56,6 +57,10 @@ static al_status read_whole(const char *name, forged f, al_error *error)
         al_scene scene;
         status = al_scene_read(file, &scene, error);
         al_scene_free(&scene);
+    } else if (al_file_kind(file) == AL_KIND_IMPULSE_TABLES) {
+        al_impulse_tables *tables;
+        status = al_impulse_tables_read(file, &tables, error);
+        al_impulse_tables_free(tables);
     } else {
         al_translucent_info info;
         al_translucent_page page;
@@ -196,6 +201,10 @@ static void test_same_bytes(const char *folder)
     golden_fill_lit_scene(&scene);
     CHECK(al_scene_write(path, &scene, NULL, NULL, &error) == AL_OK);
     compare_bytes("scene_lit_1_0", path);
+    golden_impulse impulse;
+    golden_fill_impulse(&impulse);
+    CHECK(al_impulse_tables_write(path, &impulse.data, NULL, &error) == AL_OK);
+    compare_bytes("impulse_tables_1_0", path);
     for (size_t i = 0; i < refusal_count; i++) {
         char name[256];
         refusal_file(&refusals[i], name, sizeof name);

@@ -129,6 +129,13 @@ int __wrap_munmap(void *at, size_t size)
 
 static const char *path; /* where the writers write */
 
+static al_status write_impulse(al_error *error)
+{
+    golden_impulse golden;
+    golden_fill_impulse(&golden);
+    return al_impulse_tables_write(path, &golden.data, NULL, error);
+}
+
 static al_status write_translucent(al_error *error)
 {
     golden_translucent golden;
@@ -167,6 +174,23 @@ static al_status read_scene(al_error *error)
 static al_status check_scene(al_error *error)
 {
     return al_file_check(AIRLIGHT_GOLDEN "/scene_1_0.air", NULL, NULL, error);
+}
+
+static al_status read_impulse(al_error *error)
+{
+    al_file *file;
+    al_impulse_tables *tables = NULL;
+    al_status status = al_file_open(AIRLIGHT_GOLDEN "/impulse_tables_1_0.air", NULL, &file, error);
+    if (status != AL_OK) return status;
+    status = al_impulse_tables_read(file, &tables, error);
+    al_impulse_tables_free(tables);
+    al_file_close(file);
+    return status;
+}
+
+static al_status check_impulse(al_error *error)
+{
+    return al_file_check(AIRLIGHT_GOLDEN "/impulse_tables_1_0.air", NULL, NULL, error);
 }
 
 static al_status check_translucent(al_error *error)
@@ -211,23 +235,25 @@ static void fail_every_call(const char *folder, const char *name, al_status (*wo
 
 int main(void)
 {
-    char folder[256], target[512], made[3][512];
+    char folder[256], target[512], made[4][512];
     if (!folder_make(folder, sizeof folder)) return test_skip("no temporary folder");
-    static const char *const names[] = {"write translucent", "write scene", "write text"};
-    al_status (*const writers[])(al_error *) = {write_translucent, write_scene, write_text};
-    for (int i = 0; i < 3; i++) { /* what success leaves, in another folder */
+    static const char *const names[] = {"write translucent", "write scene", "write text", "write impulse"};
+    al_status (*const writers[])(al_error *) = {write_translucent, write_scene, write_text, write_impulse};
+    for (int i = 0; i < 4; i++) { /* what success leaves, in another folder */
         snprintf(made[i], sizeof made[i], "%s.%d", folder, i);
         path = made[i];
         CHECK(writers[i](NULL) == AL_OK);
     }
     snprintf(target, sizeof target, "%s/file", folder);
     path = target;
-    for (int i = 0; i < 3; i++) fail_every_call(folder, names[i], writers[i], made[(i + 1) % 3], made[i]);
+    for (int i = 0; i < 4; i++) fail_every_call(folder, names[i], writers[i], made[(i + 1) % 4], made[i]);
     unlink(path);
     fail_every_call(folder, "read scene", read_scene, "", "");
     fail_every_call(folder, "check scene", check_scene, "", "");
+    fail_every_call(folder, "read impulse", read_impulse, "", "");
+    fail_every_call(folder, "check impulse", check_impulse, "", "");
     fail_every_call(folder, "check translucent", check_translucent, "", "");
-    for (int i = 0; i < 3; i++) unlink(made[i]);
+    for (int i = 0; i < 4; i++) unlink(made[i]);
     CHECK(rmdir(folder) == 0);
     return test_end();
 }

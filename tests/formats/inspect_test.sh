@@ -43,7 +43,7 @@ same() {
 
 cd "$golden" || exit 1
 
-for kind in translucent_byte scene; do
+for kind in translucent_byte scene impulse_tables; do
     run 0 ${kind}_1_0.air
     same $kind.txt
     run 0 --json ${kind}_1_0.air

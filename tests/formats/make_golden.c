@@ -29,7 +29,12 @@ static al_status write_valid(const char *folder, al_error *error)
     if (status != AL_OK) return status;
     golden_fill_lit_scene(&scene);
     snprintf(path, sizeof path, "%s/scene_lit_1_0.air", folder);
-    return al_scene_write(path, &scene, NULL, NULL, error);
+    status = al_scene_write(path, &scene, NULL, NULL, error);
+    if (status != AL_OK) return status;
+    golden_impulse impulse;
+    golden_fill_impulse(&impulse);
+    snprintf(path, sizeof path, "%s/impulse_tables_1_0.air", folder);
+    return al_impulse_tables_write(path, &impulse.data, NULL, error);
 }
 
 static al_status write_refusal(const char *folder, const refusal *r, al_error *error)

@@ -6,6 +6,8 @@
 #define SCENE "scene_1_0"
 #define LIT "scene_lit_1_0"
 
+#define IMPULSE "impulse_tables_1_0"
+
 #define HEADER(at, count, value) {CHANGE_HEADER, "", 0, at, count, value}
 #define ENTRY(type, index, at, count, value) {CHANGE_ENTRY, type, index, at, count, value}
 #define CHUNK(type, index, at, count, value) {CHANGE_CHUNK, type, index, at, count, value}
@@ -119,6 +121,25 @@ const refusal refusals[] = {
     {318, "endless_fog_with_bounds", LIT, SEAL_ALL, {CHUNK("FOGS", 0, 8, 4, 0x3f800000)}},
     {130, "fog_cut_off", LIT, SEAL_ALL, {RESIZE("FOGS", 0, 76), CHUNK("FOGS", 0, 76, 4, 0)}},
     {130, "lighting_of_too_few", LIT, SEAL_ALL, {RESIZE("INLI", 0, 8), CHUNK("INLI", 0, 8, 4, 0)}},
+
+    {130, "impulse_info_too_short", IMPULSE, SEAL_ALL, {RESIZE("INFO", 0, 40), CHUNK("INFO", 0, 40, 4, 0)}},
+    {131, "table_value_not_finite", IMPULSE, SEAL_ALL, {CHUNK("TABL", 4, 96, 4, NAN_BITS)}},
+    {131, "table_angle_not_finite", IMPULSE, SEAL_ALL, {CHUNK("TABL", 7, 64, 4, NAN_BITS)}},
+    {132, "emitter_unknown", IMPULSE, SEAL_ALL, {CHUNK("TABL", 0, 0, 4, 3)}},
+    {401, "distances_fall", IMPULSE, SEAL_ALL, {CHUNK("INFO", 0, 20, 8, 0x3f40000000000000)}},
+    {402, "one_table_too_many", IMPULSE, SEAL_ALL, {CHUNK("INFO", 0, 8, 4, 9)}},
+    {403, "table_too_short", IMPULSE, SEAL_ALL, {CHUNK("TABL", 0, 16, 4, 5)}},
+    {404, "numbers_of_other_emitter", IMPULSE, SEAL_ALL, {CHUNK("TABL", 0, 28, 4, 6)}},
+    {404, "fitted_axis_of_point", IMPULSE, SEAL_ALL, {CHUNK("TABL", 9, 4, 4, 1), CHUNK("TABL", 9, 28, 4, 4)}},
+    {405, "even_cosines", IMPULSE, SEAL_ALL, {CHUNK("TABL", 4, 20, 4, 6)}},
+    {405, "cosines_of_point", IMPULSE, SEAL_ALL, {CHUNK("TABL", 0, 20, 4, 7)}},
+    {406, "events_backwards", IMPULSE, SEAL_ALL, {CHUNK("TABL", 9, 8, 4, 2), CHUNK("TABL", 9, 12, 4, 1)}},
+    {406, "event_beyond_the_last", IMPULSE, SEAL_ALL, {CHUNK("TABL", 9, 12, 4, 3)}},
+    {407, "second_event_resolved", IMPULSE, SEAL_ALL, {CHUNK("TABL", 7, 8, 4, 2), CHUNK("TABL", 7, 12, 4, 2)}},
+    {408, "gap_behind_table_head", IMPULSE, SEAL_ALL, {CHUNK("TABL", 0, 63, 1, 1)}},
+    {409, "table_twice", IMPULSE, SEAL_ALL, {CHUNK("TABL", 8, 32, 4, 0)}},
+    {410, "event_missing", IMPULSE, SEAL_ALL, 
+     {CHUNK("TABL", 1, 8, 4, 1), CHUNK("TABL", 1, 12, 4, 1), CHUNK("TABL", 1, 32, 4, 0x3f000000)}},
 };
 
 const size_t refusal_count = sizeof refusals / sizeof *refusals;

@@ -221,8 +221,38 @@ static void check_lit_scene(void)
     CHECK(size == 8 && text_is(s, at, "room.lightmap.air") && text_is(s, at + 4, "room.probes.air"));
 }
 
+/* Tables of 3 bands at 4 distances; the area emitter's at 7 cosines with m <= 2; the eighth is resolved by two
+ * angles. */
+static void check_impulse_tables(void)
+{
+    const source *s = load("impulse_tables_1_0.air");
+    size_t size, at = chunk(s, "INFO", 0, &size);
+    check_container(s, 3);
+    CHECK(size == 44 && number(s, at, 4) == 3 && number(s, at + 4, 4) == 2 && number(s, at + 8, 4) == 10);
+    CHECK(number(s, at + 12, 8) == 0x3f50000000000000 && number(s, at + 20, 8) == 0x4090000000000000 &&
+          number(s, at + 28, 8) == 0x3ef0000000000000 && number(s, at + 36, 8) == 0x3f20000000000000);
+    for (int t = 0; t < 10; t++) {
+        static const unsigned numbers[] = {3, 3, 3, 3, 6, 6, 4, 3, 3, 3};
+        at = chunk(s, "TABL", t, &size);
+        unsigned cosines = t >= 4 && t <= 6 ? 7 : 1, angles = t == 7 ? 2 : 0;
+        size_t values = 64 + up(4 * angles), count = (size_t)(angles ? 2 : 1) * cosines * 4 * numbers[t];
+        CHECK(size == values + 4 * count && number(s, at + 16, 4) == 4 && number(s, at + 20, 4) == cosines &&
+              number(s, at + 24, 4) == angles && number(s, at + 28, 4) == numbers[t]);
+        CHECK(real(s, at + 32) == (t == 8 ? -0.5 : 0) && number(s, at + 4, 4) == (t == 6));
+        for (size_t i = 0; i < count; i++)
+            CHECK_NEAR(real(s, at + values + 4 * i),
+                       i % numbers[t] == 0 ? 1 + (double)i / 64 : (t + 1) / (i + 2.0), 1e-6);
+    }
+    at = chunk(s, "TABL", 7, &size);
+    CHECK(number(s, at, 4) == 0 && number(s, at + 8, 4) == 1 && number(s, at + 12, 4) == 1 &&
+          real(s, at + 64) == -1.5 && real(s, at + 68) == 0.75);
+    at = chunk(s, "TABL", 9, &size);
+    CHECK(number(s, at + 8, 4) == 1 && number(s, at + 12, 4) == 2);
+}
+
 int main(void)
 {
+    check_impulse_tables();
     check_translucent();
     check_half();
     check_scene();

@@ -12,6 +12,10 @@ extern "C" {
 /* Float version of al_sh_basis (formulas.h), computed in double. `basis` holds order * order numbers. */
 void al_sh_basis_f(int order, const float direction[3], float *basis);
 
+/* Y(l, m) for l = m to band_count - 1 without its azimuth, in column[l]: Y(l, 0) = column[l], and for m > 0
+ * Y(l, +-m) = sqrt 2 column[l] Re or Im of (x + i y)^m, at a unit direction (x, y, z). Any band. */
+void al_sh_column(int m, int band_count, double z, double *column);
+
 /* Rotates coefficients: the function f(w) becomes f(R^-1 w). `rotation` is row-major, orthonormal, det +1.
  * order 1 to 8; `in` and `out` hold order * order numbers and may be the same array. */
 void al_sh_rotate(int order, const float rotation[9], const float *in, float *out);
