@@ -1,0 +1,147 @@
+#include "gather.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "airlight/formulas.h"
+#include "gather_path.h"
+
+/* --- what all points share --- */
+
+static al_status open_parts(al_gather *gather, const al_import *import, al_error *error)
+{
+    al_status status = al_ray_scene_create(import, AL_RAY_SCENE_STILL, &gather->rays, error);
+    if (!status) status = al_gather_lights_create(import, gather->rays, &gather->lights, error);
+    if (!status && gather->options.fog) status = al_fog_media_create(import, &gather->fog, error);
+    return status;
+}
+
+al_status al_gather_open(const al_import *import, const al_impulse_tables *tables,
+                         const al_gather_options *options, al_gather **gather, al_error *error)
+{
+    *gather = NULL;
+    al_gather *made = calloc(1, sizeof *made);
+    if (!made) return al_fail(error, AL_IO, "out of memory for the light gathering");
+    made->options = *options;
+    made->tables = tables;
+    al_status status = open_parts(made, import, error);
+    if (status)
+        al_gather_close(made);
+    else
+        *gather = made;
+    return status;
+}
+
+void al_gather_close(al_gather *gather)
+{
+    if (!gather) return;
+    al_fog_media_free(&gather->fog);
+    al_gather_lights_free(&gather->lights);
+    al_ray_scene_free(gather->rays);
+    free(gather);
+}
+
+al_gather_scratch *al_gather_scratch_new(const al_gather *gather)
+{
+    (void)gather;
+    return calloc(1, sizeof(al_gather_scratch));
+}
+
+void al_gather_scratch_free(al_gather_scratch *scratch)
+{
+    if (!scratch) return;
+    al_fog_path_free(&scratch->fog);
+    free(scratch);
+}
+
+/* --- a point --- */
+
+typedef struct summing {
+    const al_gather *gather;
+    al_gather_scratch *scratch;
+    al_gather_vertex vertex;
+    al_gathered *out;
+} summing;
+
+/* Adds radiance from one direction, times solid angle, to a layer. */
+static void add(summing *s, al_gather_layer layer, const double direction[3], const double basis[],
+                const double power[3])
+{
+    const double *normal = s->vertex.normal;
+    double cosine = normal[0] * direction[0] + normal[1] * direction[1] + normal[2] * direction[2];
+    double *irradiance[] = {s->out->surface, s->out->attenuated, s->out->scattered};
+    uint32_t order = s->gather->options.sh_order, count = order * order;
+    for (int c = 0; c < 3; c++) {
+        irradiance[layer][c] += fmax(0, cosine) * power[c];
+        for (uint32_t k = 0; k < count; k++) s->out->sh[layer][c][k] += basis[k] * power[c];
+    }
+}
+
+static void fill_basis(const summing *s, const double direction[3], double basis[AL_SH_MAX_COUNT])
+{
+    if (s->gather->options.sh_order)
+        al_sh_basis((int)s->gather->options.sh_order, direction[0], direction[1], direction[2], basis);
+}
+
+static void add_lights(summing *s, al_sequence *sequence, double weight)
+{
+    for (int kind = 0; kind < AL_LIGHT_KIND_COUNT; kind++) {
+        al_gather_straight straight;
+        double basis[AL_SH_MAX_COUNT], plain[3], through[3];
+        if (!al_gather_look(s->gather, s->scratch, &s->vertex, (al_light_kind)kind, sequence, &straight))
+            continue;
+        const al_light_sample *light = &straight.light;
+        for (int c = 0; c < 3; c++) {
+            plain[c] = weight * straight.share * light->power[c] * light->facing;
+            through[c] = plain[c] * straight.transmittance[c];
+        }
+        fill_basis(s, light->direction, basis);
+        add(s, AL_GATHER_SURFACE, light->direction, basis, plain);
+        add(s, AL_GATHER_ATTENUATED, light->direction, basis, through);
+    }
+}
+
+static bool add_path(summing *s, al_sequence *sequence, double weight)
+{
+    double u[2], basis[AL_SH_MAX_COUNT], plain[3], through[3], scattered[3];
+    al_gather_way way;
+    al_sequence_pair(sequence, u);
+    al_gather_draw(s->gather, &s->vertex, u, way.ray.direction, &way.density_per_sr);
+    if (!(way.density_per_sr > 0)) return true;
+    al_gather_origin(&s->vertex, way.ray.direction, way.ray.origin);
+    if (!al_gather_follow(s->gather, s->scratch, &s->vertex, s->gather->options.bounces, 1, sequence, &way))
+        return false;
+    double share = weight / way.density_per_sr;
+    for (int c = 0; c < 3; c++) {
+        plain[c] = share * way.sent[AL_GATHER_SURFACE][c];
+        through[c] = share * way.transmittance[c] * way.sent[AL_GATHER_ATTENUATED][c];
+        scattered[c] = share * way.transmittance[c] * way.sent[AL_GATHER_TOTAL][c] - through[c];
+    }
+    fill_basis(s, way.ray.direction, basis);
+    add(s, AL_GATHER_SURFACE, way.ray.direction, basis, plain);
+    add(s, AL_GATHER_ATTENUATED, way.ray.direction, basis, through);
+    add(s, AL_GATHER_SCATTERED, way.ray.direction, basis, scattered);
+    if (way.met && !way.hit.front && !way.hit.material->double_sided) s->out->back_share += weight;
+    return true;
+}
+
+bool al_gather_point(const al_gather *gather, al_gather_scratch *scratch, const double position[3],
+                     const double *normal, double texel_m, uint64_t seed, al_gathered *out)
+{
+    summing s = {.gather = gather, .scratch = scratch, .out = out};
+    (void)texel_m;
+    *out = (al_gathered){0};
+    s.vertex.in_air = !normal;
+    s.vertex.offset_m = al_ray_scene_offset_m(gather->rays);
+    for (int k = 0; k < 3; k++) {
+        s.vertex.position[k] = position[k];
+        s.vertex.normal[k] = normal ? normal[k] : 0;
+    }
+    uint32_t samples = gather->options.samples ? gather->options.samples : 1;
+    for (uint32_t i = 0; i < samples; i++) {
+        al_sequence sequence = {.index = i, .seed = al_mix_bits(seed + 1)};
+        add_lights(&s, &sequence, 1.0 / samples);
+        if (!add_path(&s, &sequence, 1.0 / samples)) return false;
+    }
+    return true;
+}

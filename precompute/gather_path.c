@@ -1,0 +1,184 @@
+/* The radiance that a surface point y sends is emission plus albedo/pi times its irradiance,
+ *
+ *   E(y) = integral of L(y, w) cos dw = integral of (T(y, w) Lo(y', -w) + S(y, w)) cos dw,
+ *
+ * Lo what the next surface y' sends, T the fog's transmittance in between, S the light scattered in between.
+ * It is estimated by one direction, drawn in proportion to the cosine, for what reflects, and one point of
+ * each kind of light. Lights that a direction may meet (emissive surfaces, the sky) are found both ways,
+ * weighted by the balance heuristic (Veach and Guibas 1995). `surface` leaves out T and S, `attenuated` S. */
+#include "gather_path.h"
+
+#include <math.h>
+
+#include "airlight/formulas.h"
+
+/* After so many reflections a path may end by chance, the more likely the less it carries. */
+static const double roulette_importance = 0.25;
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+void al_gather_origin(const al_gather_vertex *vertex, const double direction[3], double origin[3])
+{
+    double step = vertex->in_air ? 0 : vertex->offset_m;
+    if (dot(vertex->normal, direction) < 0) step = -step;
+    for (int k = 0; k < 3; k++) origin[k] = vertex->position[k] + step * vertex->normal[k];
+}
+
+/* --- directions --- */
+
+/* Two axes across a unit vector: Duff et al. 2017, "Building an Orthonormal Basis, Revisited". */
+static void make_axes(const double n[3], double a[3], double b[3])
+{
+    double sign = n[2] < 0 ? -1 : 1, q = -1 / (sign + n[2]), r = n[0] * n[1] * q;
+    a[0] = 1 + sign * n[0] * n[0] * q, a[1] = sign * r, a[2] = -sign * n[0];
+    b[0] = r, b[1] = sign + n[1] * n[1] * q, b[2] = -n[1];
+}
+
+double al_gather_density(const al_gather *gather, const al_gather_vertex *vertex, const double direction[3])
+{
+    (void)gather;
+    if (vertex->in_air) return 1 / (4 * AL_PI);
+    return fmax(0, dot(vertex->normal, direction)) / AL_PI;
+}
+
+/* Evenly over the sphere: z = 1 - 2 u. In proportion to the cosine: cos^2 = 1 - u. */
+void al_gather_draw(const al_gather *gather, const al_gather_vertex *vertex, const double u[2],
+                    double direction[3], double *density_per_sr)
+{
+    double a[3] = {1, 0, 0}, b[3] = {0, 1, 0}, up[3] = {0, 0, 1}, cosine = 1 - 2 * u[0];
+    if (!vertex->in_air) {
+        make_axes(vertex->normal, a, b);
+        for (int k = 0; k < 3; k++) up[k] = vertex->normal[k];
+        cosine = sqrt(1 - u[0]);
+    }
+    double sine = sqrt(fmax(0, 1 - cosine * cosine)), x = sine * cos(2 * AL_PI * u[1]),
+           y = sine * sin(2 * AL_PI * u[1]);
+    for (int k = 0; k < 3; k++) direction[k] = x * a[k] + y * b[k] + cosine * up[k];
+    *density_per_sr = al_gather_density(gather, vertex, direction);
+}
+
+/* --- lights --- */
+
+bool al_gather_look(const al_gather *gather, al_gather_scratch *scratch, const al_gather_vertex *vertex,
+                    al_light_kind kind, al_sequence *sequence, al_gather_straight *straight)
+{
+    al_light_sample *light = &straight->light;
+    al_ray ray;
+    (void)scratch;
+    if (!al_gather_light_sample(&gather->lights, kind, vertex->position,
+                                vertex->in_air ? NULL : vertex->normal, sequence, light))
+        return false;
+    if (!(light->facing > 0)) return false;
+    al_gather_origin(vertex, light->direction, ray.origin);
+    if (!al_gather_light_is_seen(&gather->lights, ray.origin, light)) return false;
+    for (int k = 0; k < 3; k++) ray.direction[k] = light->direction[k];
+    al_fog_transmittance(&gather->fog, &ray, light->distance_m, straight->transmittance);
+    double other = kind == AL_LIGHT_KIND_LAMP ? 0 : al_gather_density(gather, vertex, light->direction);
+    straight->share = 1 / (1 + other / light->density_per_sr);
+    if (kind == AL_LIGHT_KIND_LAMP) straight->share = 1;
+    return true;
+}
+
+static void add_lights(const al_gather *gather, al_gather_scratch *scratch, const al_gather_vertex *vertex,
+                       al_sequence *sequence, al_gather_layers irradiance)
+{
+    for (int kind = 0; kind < AL_LIGHT_KIND_COUNT; kind++) {
+        al_gather_straight straight;
+        if (!al_gather_look(gather, scratch, vertex, (al_light_kind)kind, sequence, &straight)) continue;
+        const al_light_sample *light = &straight.light;
+        double cosine = dot(vertex->normal, light->direction);
+        for (int c = 0; c < 3; c++) {
+            double arrives = straight.share * light->power[c] * light->facing * cosine;
+            irradiance[AL_GATHER_SURFACE][c] += arrives;
+            irradiance[AL_GATHER_ATTENUATED][c] += arrives * straight.transmittance[c];
+            irradiance[AL_GATHER_TOTAL][c] += arrives * straight.transmittance[c];
+        }
+    }
+}
+
+/* --- paths --- */
+
+/* Estimates the irradiance of a vertex by one path. */
+static bool estimate(const al_gather *gather, al_gather_scratch *scratch, const al_gather_vertex *vertex,
+                     uint32_t bounces, double importance, al_sequence *sequence, al_gather_layers irradiance)
+{
+    double u[2];
+    al_gather_way way;
+    add_lights(gather, scratch, vertex, sequence, irradiance);
+    al_sequence_pair(sequence, u);
+    al_gather_draw(gather, vertex, u, way.ray.direction, &way.density_per_sr);
+    if (!(way.density_per_sr > 0)) return true;
+    al_gather_origin(vertex, way.ray.direction, way.ray.origin);
+    if (!al_gather_follow(gather, scratch, vertex, bounces, importance, sequence, &way)) return false;
+    for (int c = 0; c < 3; c++) {
+        irradiance[AL_GATHER_SURFACE][c] += AL_PI * way.sent[AL_GATHER_SURFACE][c];
+        irradiance[AL_GATHER_ATTENUATED][c] +=
+            AL_PI * way.transmittance[c] * way.sent[AL_GATHER_ATTENUATED][c];
+        irradiance[AL_GATHER_TOTAL][c] += AL_PI * way.transmittance[c] * way.sent[AL_GATHER_TOTAL][c];
+    }
+    return true;
+}
+
+static void add_sent(const double radiance[3], double share, al_gather_layers sent)
+{
+    for (int layer = 0; layer < AL_GATHER_LAYER_COUNT; layer++)
+        for (int c = 0; c < 3; c++) sent[layer][c] += share * radiance[c];
+}
+
+/* Emission of the far end, weighted against finding it as a light. */
+static void add_emission(const al_gather *gather, al_gather_way *way)
+{
+    double radiance[3], other;
+    if (way->met) {
+        for (int c = 0; c < 3; c++) radiance[c] = way->hit.emission_w_m2_sr[c];
+        if (!(radiance[0] + radiance[1] + radiance[2] > 0)) return;
+        other = al_gather_emitter_density(&gather->lights, &way->ray, &way->hit);
+    } else {
+        other = al_gather_sky_density(&gather->lights, way->ray.direction, radiance);
+    }
+    add_sent(radiance, way->density_per_sr / (way->density_per_sr + other), way->sent);
+}
+
+/* What the far end reflects. */
+static bool add_reflection(const al_gather *gather, al_gather_scratch *scratch, uint32_t bounces,
+                           double importance, al_sequence *sequence, al_gather_way *way)
+{
+    const al_surface_hit *hit = &way->hit;
+    al_gather_vertex vertex = {.offset_m = hit->offset_m};
+    al_gather_layers irradiance = {{0}};
+    double survival = 1, u[2];
+    importance *= fmax(fmax(hit->albedo[0], hit->albedo[1]), hit->albedo[2]);
+    if (!(importance > 0)) return true;
+    if (importance < roulette_importance) {
+        survival = importance / roulette_importance;
+        al_sequence_pair(sequence, u);
+        if (u[0] >= survival) return true;
+    }
+    for (int k = 0; k < 3; k++) {
+        vertex.position[k] = hit->position[k];
+        vertex.normal[k] = hit->front ? hit->normal[k] : -hit->normal[k];
+    }
+    if (!estimate(gather, scratch, &vertex, bounces - 1, importance / survival, sequence, irradiance))
+        return false;
+    for (int layer = 0; layer < AL_GATHER_LAYER_COUNT; layer++)
+        for (int c = 0; c < 3; c++)
+            way->sent[layer][c] += hit->albedo[c] / (AL_PI * survival) * irradiance[layer][c];
+    return true;
+}
+
+bool al_gather_follow(const al_gather *gather, al_gather_scratch *scratch, const al_gather_vertex *vertex,
+                      uint32_t bounces, double importance, al_sequence *sequence, al_gather_way *way)
+{
+    (void)vertex;
+    for (int layer = 0; layer < AL_GATHER_LAYER_COUNT; layer++)
+        for (int c = 0; c < 3; c++) way->sent[layer][c] = 0;
+    way->met = al_ray_scene_hit(gather->rays, &way->ray, INFINITY, &way->hit);
+    double length_m = way->met ? way->hit.distance_m : INFINITY;
+    al_fog_transmittance(&gather->fog, &way->ray, length_m, way->transmittance);
+    add_emission(gather, way);
+    if (!way->met || !bounces) return true;
+    return add_reflection(gather, scratch, bounces, importance, sequence, way);
+}

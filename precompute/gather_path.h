@@ -1,0 +1,42 @@
+/* Light paths over surfaces: what a surface point receives and sends, estimated by one path. */
+#ifndef AIRLIGHT_GATHER_PATH_H
+#define AIRLIGHT_GATHER_PATH_H
+
+#include "gather_state.h"
+
+/* One way along which light arrives at a vertex. */
+typedef struct al_gather_way {
+    al_ray ray;
+    double density_per_sr; /* of drawing the direction */
+    bool met;              /* a surface ends it */
+    al_surface_hit hit;
+    double transmittance[3];
+    al_gather_layers sent; /* radiance that leaves the far end along the ray: of surface or sky */
+} al_gather_way;
+
+/* Fills the way from its ray and density. `bounces`: diffuse reflections that may follow, the one at its end
+ * included; `importance`: what the light is going to be multiplied with, at most, for Russian roulette. */
+bool al_gather_follow(const al_gather *gather, al_gather_scratch *scratch, const al_gather_vertex *vertex,
+                      uint32_t bounces, double importance, al_sequence *sequence, al_gather_way *way);
+
+/* The light of one kind that reaches a vertex straight. */
+typedef struct al_gather_straight {
+    al_light_sample light;
+    double transmittance[3]; /* of the fog, and 0 behind what is opaque */
+    double share;            /* of this way to find the light, against directions drawn at the vertex */
+} al_gather_straight;
+
+/* Draws a light and looks whether it is there. `density_per_sr` is the vertex' own of a direction. False when
+ * nothing arrives; `failed` without memory. */
+bool al_gather_look(const al_gather *gather, al_gather_scratch *scratch, const al_gather_vertex *vertex,
+                    al_light_kind kind, al_sequence *sequence, al_gather_straight *straight);
+
+/* Where rays from the vertex along `direction` begin. */
+void al_gather_origin(const al_gather_vertex *vertex, const double direction[3], double origin[3]);
+
+/* How directions are drawn at a vertex: in proportion to the cosine, or evenly in the air. */
+void al_gather_draw(const al_gather *gather, const al_gather_vertex *vertex, const double u[2],
+                    double direction[3], double *density_per_sr);
+double al_gather_density(const al_gather *gather, const al_gather_vertex *vertex, const double direction[3]);
+
+#endif

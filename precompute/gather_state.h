@@ -1,0 +1,32 @@
+/* What the parts of a gather share. */
+#ifndef AIRLIGHT_GATHER_STATE_H
+#define AIRLIGHT_GATHER_STATE_H
+
+#include "gather.h"
+#include "gather_fog.h"
+#include "gather_light.h"
+
+struct al_gather {
+    al_gather_options options;
+    al_ray_scene *rays;
+    al_gather_lights lights;
+    al_fog_media fog; /* empty without fog */
+    const al_impulse_tables *tables;
+};
+
+struct al_gather_scratch {
+    al_fog_path fog;
+};
+
+/* A point that light arrives at. */
+typedef struct al_gather_vertex {
+    double position[3], normal[3];
+    double offset_m; /* rays begin so far along the normal */
+    bool in_air;     /* there is no normal; light from everywhere counts */
+} al_gather_vertex;
+
+/* By layer and channel, but the third is everything: attenuated + scattered. */
+enum { AL_GATHER_TOTAL = AL_GATHER_SCATTERED };
+typedef double al_gather_layers[AL_GATHER_LAYER_COUNT][3];
+
+#endif
