@@ -68,7 +68,17 @@
     RULE(AL_RULE_IMPULSE_ANGLES, 407, "only event 1 is resolved by angle, or has g other than 0") \
     RULE(AL_RULE_IMPULSE_PADDING, 408, "bytes between the arrays of a TABL chunk are zero") \
     RULE(AL_RULE_IMPULSE_TWICE, 409, "no two tables say the same") \
-    RULE(AL_RULE_IMPULSE_MISSING, 410, "each emitter has an isotropic table of each event")
+    RULE(AL_RULE_IMPULSE_MISSING, 410, "each emitter has an isotropic table of each event") \
+    RULE(AL_RULE_LIGHTMAP_PAGES, 501, "there is one PAGE chunk for each page") \
+    RULE(AL_RULE_LIGHTMAP_PAGE_SIZE, 502, "a page has the size its texels need") \
+    RULE(AL_RULE_LIGHTMAP_PAGE_PADDING, 503, "bytes between the arrays of a lightmap's page are zero") \
+    RULE(AL_RULE_LIGHTMAP_NEGATIVE, 504, "irradiance is not negative") \
+    RULE(AL_RULE_LIGHTMAP_STATE, 505, "the state of a texel is 0 to 3") \
+    RULE(AL_RULE_LIGHTMAP_GEOMETRY, 506, "VERT and TRIS have the size their counts need") \
+    RULE(AL_RULE_LIGHTMAP_INDEX, 507, "instances name pages, triangles name vertices that are there") \
+    RULE(AL_RULE_LIGHTMAP_RECTANGLE, 508, "an instance's rectangle and page uv lie in [0, 1]") \
+    RULE(AL_RULE_LIGHTMAP_ORDER, 509, "instances ascend and share the triangles out, one after the other") \
+    RULE(AL_RULE_LIGHTMAP_SCALE, 510, "a lightmap of floats has scales of 1")
 
 #define AL_RULE_ENUM(name, number, text) name = number,
 enum al_rule { AL_RULES(AL_RULE_ENUM) };

@@ -8,6 +8,7 @@
 #include <math.h>
 
 #include "airlight/impulse_tables.h"
+#include "airlight/lightmap.h"
 #include "airlight/scene.h"
 #include "airlight/translucent.h"
 #include "forge.h"
@@ -39,6 +40,25 @@ static bool read_translucent(const al_file *file)
     REQUIRE(al_translucent_evaluate(file, &info, position, direction, answer, &used, NULL) == AL_OK);
     for (int c = 0; c < 3; c++) REQUIRE(answer[c] >= 0 && answer[c] <= 1);
     return good;
+}
+
+static bool read_lightmap(const al_file *file)
+{
+    al_lightmap_info info;
+    al_lightmap_page page;
+    al_lightmap_answer answer;
+    const float position[3] = {0.25f, 0.5f, 0.25f}, normal[3] = {0, 2, 0};
+    if (al_lightmap_read(file, &info, NULL) != AL_OK) return false;
+    for (uint32_t p = 0; p < info.page_count; p++) {
+        if (al_lightmap_read_page(file, &info, p, &page, NULL) != AL_OK) return false;
+        float value[3];
+        al_lightmap_texel(&info, &page, AL_LAYER_SCATTERED, (size_t)page.width * page.height - 1, value);
+        REQUIRE(isfinite(value[0]) && value[0] >= 0);
+    }
+    al_status status = al_lightmap_evaluate(file, &info, position, normal, &answer, NULL);
+    if (status == AL_OK)
+        for (int i = 0; i < 9; i++) REQUIRE(answer.irradiance[i / 3][i % 3] >= 0);
+    return status == AL_OK || status == AL_USAGE; /* no triangle may face that way */
 }
 
 static bool read_scene(const al_file *file)
@@ -98,6 +118,7 @@ static void try_bytes(const uint8_t *data, size_t size)
     if (opened == AL_OK) {
         al_kind kind = al_file_kind(file);
         bool read = kind == AL_KIND_SCENE            ? read_scene(file)
+                    : kind == AL_KIND_LIGHTMAP       ? read_lightmap(file)
                     : kind == AL_KIND_IMPULSE_TABLES ? read_impulse(file)
                                                      : read_translucent(file);
         REQUIRE(read || checked != AL_OK);

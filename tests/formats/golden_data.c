@@ -42,6 +42,55 @@ void golden_fill_translucent(al_coefficient_format format, golden_translucent *g
                                          golden->density, blockers, provenance};
 }
 
+/* --- lightmap --- */
+
+static void fill_lightmap_page(golden_lightmap *golden, uint32_t page, uint32_t width, uint32_t height)
+{
+    uint32_t texels = width * height, bands = golden->data.info.directional_order;
+    for (uint32_t layer = 0; layer < 3; layer++)
+        for (uint32_t i = 0; i < 3 * texels; i++) {
+            golden->irradiance[page][3 * texels * layer + i] =
+                0.125f * (float)(layer + 1) * (float)(i / 3 + 1) + 0.25f * (float)(i % 3);
+            for (uint32_t k = 0; k < bands * bands; k++)
+                golden->sh[page][3 * texels * (layer * bands * bands + k) + i] =
+                    (float)(layer + 1) / (float)(k + 1) * (k % 2 ? -0.5f : 1);
+        }
+    for (uint32_t i = 0; i < texels; i++) golden->state[page][i] = (uint8_t)(3 - i % 3);
+    golden->pages[page] = (al_lightmap_source){width, height, golden->irradiance[page],
+                                               bands ? golden->sh[page] : NULL, golden->state[page]};
+}
+
+void golden_fill_lightmap(al_lightmap_format format, golden_lightmap *golden)
+{
+    static const float corners[4][2] = {{0, 0}, {0, 1}, {1, 1}, {1, 0}};
+    static const uint32_t order[6] = {0, 1, 2, 0, 2, 3};
+    uint32_t count = format == AL_LIGHTMAP_HALF ? 2 : 1;
+    memset(golden, 0, sizeof *golden);
+    golden->data.info = (al_lightmap_info){
+        .page_count = count, .instance_count = count, .format = format,
+        .directional_order = format == AL_LIGHTMAP_HALF ? 2 : 0,
+        .vertex_count = 4 * count, .triangle_count = 2 * count, .texel_m = 0.25f};
+    fill_lightmap_page(golden, 0, count == 2 ? 4 : 3, count == 2 ? 3 : 2);
+    if (count == 2) fill_lightmap_page(golden, 1, 2, 2);
+    for (uint32_t i = 0; i < count; i++) {
+        golden->instances[i] = (al_lightmap_instance){2 * i, i, {0.5f, 0.75f}, {0.25f, 0.125f}, 2 * i, 2};
+        for (uint32_t k = 0; k < 4; k++) {
+            float *v = golden->vertices + 5 * (4 * i + k);
+            v[0] = corners[k][0] + 2 * (float)i;
+            v[1] = 0.5f * (float)i;
+            v[2] = corners[k][1];
+            v[3] = 0.25f + 0.5f * corners[k][0];
+            v[4] = 0.125f + 0.75f * corners[k][1];
+        }
+        for (uint32_t k = 0; k < 6; k++) golden->triangles[6 * i + k] = 4 * i + order[k];
+    }
+    golden->data.instances = golden->instances;
+    golden->data.pages = golden->pages;
+    golden->data.vertices = golden->vertices;
+    golden->data.triangles = golden->triangles;
+    golden->data.provenance_json = format == AL_LIGHTMAP_HALF ? "{\"key\":\"00112233aabbccdd\",\"samples\":64}" : NULL;
+}
+
 /* --- scene --- */
 
 static float quad_positions[] = {-1, 0, -1, -1, 0, 1, 1, 0, 1, 1, 0, -1};

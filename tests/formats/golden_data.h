@@ -4,6 +4,7 @@
 #define AIRLIGHT_GOLDEN_DATA_H
 
 #include "airlight/impulse_tables.h"
+#include "airlight/lightmap.h"
 #include "airlight/scene.h"
 #include "airlight/translucent.h"
 
@@ -17,6 +18,19 @@ typedef struct golden_translucent {
 /* byte: five samples in three pages, RGB, order 2, blockers; half: four samples in one page, grey, order 3;
  * float: one sample, order 1. */
 void golden_fill_translucent(al_coefficient_format format, golden_translucent *golden);
+
+typedef struct golden_lightmap {
+    al_lightmap_data data;
+    al_lightmap_instance instances[2];
+    al_lightmap_source pages[2];
+    float irradiance[2][3 * 12 * 3], sh[2][3 * 4 * 12 * 3], vertices[8 * 5];
+    uint8_t state[2][12];
+    uint32_t triangles[4 * 3];
+} golden_lightmap;
+
+/* float: one instance on a page of 3 x 2 texels, no SH. half: two instances on pages of 4 x 3 and 2 x 2
+ * texels, SH of order 2. Each instance is a square metre that faces +y. */
+void golden_fill_lightmap(al_lightmap_format format, golden_lightmap *golden);
 
 /* A translucent tetrahedron with a blocker over a textured quad; every pointer is to static memory. */
 void golden_fill_scene(al_scene *scene);

@@ -10,7 +10,7 @@
 
 static const char *const valid[] = {"translucent_float_1_0", "translucent_half_1_0", "translucent_byte_1_0",
                                     "scene_1_0",            "scene_lit_1_0",
-                                    "impulse_tables_1_0"};
+                                    "impulse_tables_1_0",   "lightmap_float_1_0", "lightmap_half_1_0"};
 
 static forged load_golden(const char *name)
 {
@@ -47,6 +47,19 @@ static void see(void *user, int rule, const char *message)
     CHECK(message[0] != 0 && !strchr(message, '\n'));
 }
 
+static al_status read_lightmap(const al_file *file, al_error *error)
+{
+    static const float position[3] = {0.25f, 0.5f, 0.25f}, normal[3] = {0, 2, 0};
+    al_lightmap_info info;
+    al_lightmap_page page;
+    al_lightmap_answer answer; /* evaluating looks at instances and geometry */
+    al_status status = al_lightmap_read(file, &info, error);
+    for (uint32_t p = 0; status == AL_OK && p < info.page_count; p++)
+        status = al_lightmap_read_page(file, &info, p, &page, error);
+    if (status == AL_OK) status = al_lightmap_evaluate(file, &info, position, normal, &answer, error);
+    return status;
+}
+
 /* Opens and reads all of it, as the runtime would. */
 static al_status read_whole(const char *name, forged f, al_error *error)
 {
@@ -61,6 +74,8 @@ static al_status read_whole(const char *name, forged f, al_error *error)
         al_impulse_tables *tables;
         status = al_impulse_tables_read(file, &tables, error);
         al_impulse_tables_free(tables);
+    } else if (al_file_kind(file) == AL_KIND_LIGHTMAP) {
+        status = read_lightmap(file, error);
     } else {
         al_translucent_info info;
         al_translucent_page page;
@@ -194,6 +209,12 @@ static void test_same_bytes(const char *folder)
         golden_fill_translucent((al_coefficient_format)format, &golden);
         CHECK(al_translucent_write(path, &golden.data, NULL, &error) == AL_OK);
         compare_bytes(valid[format], path);
+    }
+    for (int format = 0; format < 2; format++) {
+        golden_lightmap lightmap;
+        golden_fill_lightmap((al_lightmap_format)format, &lightmap);
+        CHECK(al_lightmap_write(path, &lightmap.data, NULL, &error) == AL_OK);
+        compare_bytes(format ? "lightmap_half_1_0" : "lightmap_float_1_0", path);
     }
     golden_fill_scene(&scene);
     CHECK(al_scene_write(path, &scene, "{\"key\":\"fedcba9876543210\"}", NULL, &error) == AL_OK);

@@ -150,6 +150,13 @@ static al_status write_scene(al_error *error)
     return al_scene_write(path, &scene, "{}", NULL, error);
 }
 
+static al_status write_lightmap(al_error *error)
+{
+    golden_lightmap golden;
+    golden_fill_lightmap(AL_LIGHTMAP_HALF, &golden);
+    return al_lightmap_write(path, &golden.data, NULL, error);
+}
+
 static al_status write_text(al_error *error)
 {
     return al_write_file(path, "text", 4, error);
@@ -198,6 +205,11 @@ static al_status check_translucent(al_error *error)
     return al_file_check(AIRLIGHT_GOLDEN "/translucent_byte_1_0.air", NULL, NULL, error);
 }
 
+static al_status check_lightmap(al_error *error)
+{
+    return al_file_check(AIRLIGHT_GOLDEN "/lightmap_half_1_0.air", NULL, NULL, error);
+}
+
 /* Fails call after call until the work runs out of calls. `result` is the file that success leaves, or "". A
  * failed close of what was only read, or of the folder after its sync, loses nothing: the work may succeed.
  */
@@ -235,25 +247,28 @@ static void fail_every_call(const char *folder, const char *name, al_status (*wo
 
 int main(void)
 {
-    char folder[256], target[512], made[4][512];
+    char folder[256], target[512], made[5][512];
     if (!folder_make(folder, sizeof folder)) return test_skip("no temporary folder");
-    static const char *const names[] = {"write translucent", "write scene", "write text", "write impulse"};
-    al_status (*const writers[])(al_error *) = {write_translucent, write_scene, write_text, write_impulse};
-    for (int i = 0; i < 4; i++) { /* what success leaves, in another folder */
+    static const char *const names[] = {"write translucent", "write scene", "write text", "write impulse",
+                                        "write lightmap"};
+    al_status (*const writers[])(al_error *) = {write_translucent, write_scene, write_text, write_impulse,
+                                                write_lightmap};
+    for (int i = 0; i < 5; i++) { /* what success leaves, in another folder */
         snprintf(made[i], sizeof made[i], "%s.%d", folder, i);
         path = made[i];
         CHECK(writers[i](NULL) == AL_OK);
     }
     snprintf(target, sizeof target, "%s/file", folder);
     path = target;
-    for (int i = 0; i < 4; i++) fail_every_call(folder, names[i], writers[i], made[(i + 1) % 4], made[i]);
+    for (int i = 0; i < 5; i++) fail_every_call(folder, names[i], writers[i], made[(i + 1) % 5], made[i]);
     unlink(path);
     fail_every_call(folder, "read scene", read_scene, "", "");
     fail_every_call(folder, "check scene", check_scene, "", "");
     fail_every_call(folder, "read impulse", read_impulse, "", "");
     fail_every_call(folder, "check impulse", check_impulse, "", "");
     fail_every_call(folder, "check translucent", check_translucent, "", "");
-    for (int i = 0; i < 4; i++) unlink(made[i]);
+    fail_every_call(folder, "check lightmap", check_lightmap, "", "");
+    for (int i = 0; i < 5; i++) unlink(made[i]);
     CHECK(rmdir(folder) == 0);
     return test_end();
 }

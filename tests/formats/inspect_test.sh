@@ -43,7 +43,7 @@ same() {
 
 cd "$golden" || exit 1
 
-for kind in translucent_byte scene impulse_tables; do
+for kind in translucent_byte scene impulse_tables lightmap_half; do
     run 0 ${kind}_1_0.air
     same $kind.txt
     run 0 --json ${kind}_1_0.air
@@ -82,6 +82,14 @@ fails 2 'is no JSON object' translucent_float_1_0.air --eval '[1]'
 fails 2 'is no JSON object' translucent_float_1_0.air --eval 'x'
 fails 2 'answers no questions' scene_1_0.air --eval '{}'
 fails 3 '(rule 106)' refuse_106_header_checksum.air --eval '{"position": [0, 0, 0], "direction": [0, 1, 0]}'
+
+# The centre of the floor of lightmap_float lies at page uv (0.5, 0.5): half way between the rows of the middle
+# column, texels 1 and 4, so surface is the mean of 0.125 (2 and 5) + 0.25 c.
+run 0 lightmap_float_1_0.air --eval '{"position": [0.5, 0.25, 0.5], "normal": [0, 3, 1]}'
+[ "$(cat "$work/out")" = '{"surface": [0.4375, 0.6875, 0.9375], "attenuated": [0.875, 1.125, 1.375], "scattered": [1.3125, 1.5625, 1.8125], "distance_m": 0.25, "instance": 0}' ] || wrong "answer: $(cat "$work/out")"
+fails 2 'no lightmapped surface faces' lightmap_float_1_0.air --eval '{"position": [0, 0, 0], "normal": [0, -1, 0]}'
+fails 2 'the normal longer than 0' lightmap_float_1_0.air --eval '{"position": [0, 0, 0], "normal": [0, 0, 0]}'
+fails 2 '"normal" should be three finite numbers' lightmap_float_1_0.air --eval '{"position": [0, 0, 0]}'
 
 # Files that are not there or no files; what cannot be written.
 fails 3 'absent.air' absent.air

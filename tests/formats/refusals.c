@@ -5,6 +5,8 @@
 #define FLOAT "translucent_float_1_0"
 #define SCENE "scene_1_0"
 #define LIT "scene_lit_1_0"
+#define MAP "lightmap_half_1_0"
+#define MAP_FLOAT "lightmap_float_1_0"
 
 #define IMPULSE "impulse_tables_1_0"
 
@@ -119,6 +121,24 @@ const refusal refusals[] = {
     {317, "lightmap_on_boundary", LIT, SEAL_ALL, {CHUNK("INLI", 0, 4, 4, 1)}},
     {318, "fog_inside_out", LIT, SEAL_ALL, {CHUNK("FOGS", 0, 40 + 8, 4, 0x40a00000)}},
     {318, "endless_fog_with_bounds", LIT, SEAL_ALL, {CHUNK("FOGS", 0, 8, 4, 0x3f800000)}},
+    {501, "lightmap_page_missing", MAP, SEAL_ALL, {HIDE("PAGE", 1)}},
+    {502, "lightmap_page_too_narrow", MAP, SEAL_ALL, {CHUNK("PAGS", 0, 0, 4, 3)}},
+    {503, "gap_inside_lightmap_page", MAP_FLOAT, SEAL_ALL, {CHUNK("PAGE", 0, 127, 1, 1)}},
+    {504, "irradiance_negative", MAP, SEAL_ALL, {CHUNK("PAGE", 0, 2, 2, 0xbc00)}},
+    {504, "float_irradiance_negative", MAP_FLOAT, SEAL_ALL, {CHUNK("PAGE", 0, 4, 4, MINUS_ONE)}},
+    {505, "state_of_four", MAP_FLOAT, SEAL_ALL, {CHUNK("PAGE", 0, 384 + 5, 1, 4)}},
+    {506, "vertices_too_short", MAP, SEAL_ALL, {RESIZE("VERT", 0, 156), CHUNK("VERT", 0, 156, 4, 0)}},
+    {507, "lightmap_page_outside", MAP, SEAL_ALL, {CHUNK("INST", 0, 4, 4, 2)}},
+    {507, "lightmap_vertex_outside", MAP, SEAL_ALL, {CHUNK("TRIS", 0, 8, 4, 8)}},
+    {508, "rectangle_beyond_page", MAP, SEAL_ALL, {CHUNK("INST", 0, 16, 4, 0x3f400000)}},
+    {508, "page_uv_outside", MAP, SEAL_ALL, {CHUNK("VERT", 0, 12, 4, MINUS_ONE)}},
+    {509, "instances_descend", MAP, SEAL_ALL, {CHUNK("INST", 0, 0, 4, 3)}},
+    {509, "triangle_left_over", MAP, SEAL_ALL, {CHUNK("INST", 0, 32 + 28, 4, 1)}},
+    {510, "scale_of_floats", MAP_FLOAT, SEAL_ALL, {CHUNK("PAGS", 0, 8, 4, 0x40000000)}},
+    {130, "lightmap_instances_too_few", MAP, SEAL_ALL, {CHUNK("INFO", 0, 4, 4, 1)}},
+    {131, "irradiance_not_finite", MAP, SEAL_ALL, {CHUNK("PAGE", 0, 2, 2, 0x7c00)}},
+    {131, "lightmap_vertex_not_finite", MAP, SEAL_ALL, {CHUNK("VERT", 0, 4, 4, NAN_BITS)}},
+    {132, "lightmap_scale_zero", MAP, SEAL_ALL, {CHUNK("PAGS", 0, 8, 4, 0)}},
     {130, "fog_cut_off", LIT, SEAL_ALL, {RESIZE("FOGS", 0, 76), CHUNK("FOGS", 0, 76, 4, 0)}},
     {130, "lighting_of_too_few", LIT, SEAL_ALL, {RESIZE("INLI", 0, 8), CHUNK("INLI", 0, 8, 4, 0)}},
 

@@ -30,6 +30,13 @@ static double real(const source *s, size_t at)
     return bits >> 31 ? -value : value;
 }
 
+/* A normal binary16. */
+static double half(const source *s, size_t at)
+{
+    unsigned bits = (unsigned)number(s, at, 2);
+    return ldexp(1024 + (int)(bits & 1023), (int)(bits >> 10 & 31) - 25) * (bits >> 15 ? -1 : 1);
+}
+
 static source *load(const char *name)
 {
     static source s;
@@ -143,8 +150,7 @@ static void check_half(void)
     check_container(s, 2);
     CHECK(size == coefficients + 4 * 9 * 2);
     for (int i = 0; i < 4 * 9; i++) {
-        unsigned bits = (unsigned)number(s, page + coefficients + 2 * (size_t)i, 2);
-        double value = ldexp(1024 + (int)(bits & 1023), (int)(bits >> 10 & 31) - 25) * (bits >> 15 ? -1 : 1);
+        double value = half(s, page + coefficients + 2 * (size_t)i);
         double wanted = i % 9 == 0 ? 2.5 - 0.125 * (i / 9) : 0.375 / (i % 9 + 1) * (i % 9 % 2 ? 1 : -1);
         CHECK_NEAR(value, wanted, fabs(wanted) * 0x1p-11);
     }
@@ -250,9 +256,49 @@ static void check_impulse_tables(void)
     CHECK(number(s, at + 8, 4) == 1 && number(s, at + 12, 4) == 2);
 }
 
+/* lightmap_half: pages of 4 x 3 and 2 x 2 texels, SH of order 2; the scale is a power of two. */
+static void check_lightmap(void)
+{
+    const source *s = load("lightmap_half_1_0.air");
+    size_t size, at = chunk(s, "INFO", 0, &size);
+    check_container(s, 4);
+    CHECK(size == 28 && number(s, at, 4) == 2 && number(s, at + 4, 4) == 2 && number(s, at + 8, 4) == 1 &&
+          number(s, at + 12, 4) == 2 && number(s, at + 16, 4) == 8 && number(s, at + 20, 4) == 4 &&
+          real(s, at + 24) == 0.25);
+    at = chunk(s, "INST", 0, &size) + 32;
+    CHECK(size == 64 && number(s, at, 4) == 2 && number(s, at + 4, 4) == 1 && real(s, at + 8) == 0.5 &&
+          real(s, at + 12) == 0.75 && real(s, at + 16) == 0.25 && real(s, at + 20) == 0.125 &&
+          number(s, at + 24, 4) == 2 && number(s, at + 28, 4) == 2);
+    at = chunk(s, "VERT", 0, &size) + 20 * 6;
+    CHECK(size == 160 && real(s, at) == 3 && real(s, at + 4) == 0.5 && real(s, at + 8) == 1 &&
+          real(s, at + 12) == 0.75 && real(s, at + 16) == 0.875);
+    at = chunk(s, "TRIS", 0, &size);
+    CHECK(size == 48 && number(s, at + 4 * 11, 4) == 7);
+    for (int p = 0; p < 2; p++) {
+        size_t head = chunk(s, "PAGS", 0, &size) + 32 * (size_t)p;
+        size_t texels = number(s, head, 4) * number(s, head + 4, 4);
+        CHECK(size == 64 && texels == (p ? 4 : 12));
+        at = chunk(s, "PAGE", p, &size);
+        size_t layer_size = up(6 * texels), sh_size = up(24 * texels);
+        CHECK(size == 3 * layer_size + 3 * sh_size + texels);
+        for (size_t layer = 0; layer < 3; layer++)
+            for (size_t i = 0; i < 3 * texels; i++) {
+                double wanted = 0.125 * (double)(layer + 1) * (double)(i / 3 + 1) + 0.25 * (double)(i % 3);
+                double value = half(s, at + layer * layer_size + 2 * i) * real(s, head + 8 + 4 * layer);
+                CHECK(value == wanted);
+                size_t sh = at + 3 * layer_size + layer * sh_size;
+                CHECK_NEAR(half(s, sh + 2 * (3 * texels * 3 + i)) * real(s, head + 20 + 4 * layer),
+                           -0.125 * (double)(layer + 1), 1e-9);
+            }
+        for (size_t i = 0; i < texels; i++)
+            CHECK(s->bytes[at + 3 * layer_size + 3 * sh_size + i] == 3 - i % 3);
+    }
+}
+
 int main(void)
 {
     check_impulse_tables();
+    check_lightmap();
     check_translucent();
     check_half();
     check_scene();
