@@ -19,7 +19,8 @@ typedef struct al_kind_rules {
     void (*check)(const al_file *file, al_report *report); /* NULL: this version has no reader for the kind */
 } al_kind_rules;
 
-extern const al_kind_rules al_scene_rules, al_translucent_rules, al_impulse_tables_rules, al_lightmap_rules;
+extern const al_kind_rules al_scene_rules, al_translucent_rules, al_impulse_tables_rules, al_lightmap_rules,
+    al_medium_rules;
 
 const al_kind_rules *al_kind_find(al_kind kind); /* NULL when there is no such kind */
 const al_chunk_rules *al_chunk_find(const al_kind_rules *kind, const char type[5]);

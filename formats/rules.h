@@ -78,7 +78,16 @@
     RULE(AL_RULE_LIGHTMAP_INDEX, 507, "instances name pages, triangles name vertices that are there") \
     RULE(AL_RULE_LIGHTMAP_RECTANGLE, 508, "an instance's rectangle and page uv lie in [0, 1]") \
     RULE(AL_RULE_LIGHTMAP_ORDER, 509, "instances ascend and share the triangles out, one after the other") \
-    RULE(AL_RULE_LIGHTMAP_SCALE, 510, "a lightmap of floats has scales of 1")
+    RULE(AL_RULE_LIGHTMAP_SCALE, 510, "a lightmap of floats has scales of 1") \
+    RULE(AL_RULE_MEDIUM_INDICES, 701, "a medium has one INDX chunk for each frame") \
+    RULE(AL_RULE_MEDIUM_INDEX_SIZE, 702, "an INDX chunk has four bytes for each cell of bricks") \
+    RULE(AL_RULE_MEDIUM_NUMBERS, 703, "a frame's bricks are numbered in the order of their cells") \
+    RULE(AL_RULE_MEDIUM_PAGES, 704, "there are as many pages as the bricks of all frames fill") \
+    RULE(AL_RULE_MEDIUM_PAGE_SIZE, 705, "a page has the size its bricks need") \
+    RULE(AL_RULE_MEDIUM_VALUE, 706, "a density is a half from 0 to 32768") \
+    RULE(AL_RULE_MEDIUM_BOUNDS, 707, "a medium's lower bounds are below the upper ones") \
+    RULE(AL_RULE_MEDIUM_TRANSFORM, 708, "the grid's transform is affine and can be inverted") \
+    RULE(AL_RULE_MEDIUM_TIMES, 709, "frames follow each other in time")
 
 #define AL_RULE_ENUM(name, number, text) name = number,
 enum al_rule { AL_RULES(AL_RULE_ENUM) };

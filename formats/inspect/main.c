@@ -8,7 +8,7 @@
 #include "inspect.h"
 
 static const inspected_kind *const kinds[] = {&inspected_translucent, &inspected_scene,
-                                             &inspected_impulse_tables, &inspected_lightmap};
+                                             &inspected_impulse_tables, &inspected_lightmap, &inspected_medium};
 
 typedef struct request {
     bool check, json;
@@ -202,6 +202,7 @@ int main(int argc, char **argv)
         {"--eval", "JSON", AL_OPTION_STRING, &asked.query,
          "what the asset says at a point. translucent: {\"position\": [x, y, z], \"direction\": [x, y, z]};\n"
          "                             lightmap: {\"position\": [x, y, z], \"normal\": [x, y, z]};\n"
+         "                             media: {\"position\": [x, y, z], \"time\": t};\n"
          "                             impulse-tables: {\"emitter\": \"point\", \"distance\": 2, \"sigma_s\": 0.5, \"events\": [1]}", 0, 0},
         {"--image", "OUT.png", AL_OPTION_STRING, &asked.image, "draw the asset", 0, 0},
     };

@@ -57,6 +57,31 @@ static json_t *translucent_list(const al_scene *scene)
     return list;
 }
 
+static json_t *fog_list(const al_scene *scene)
+{
+    json_t *list = json_array();
+    for (uint32_t i = 0; i < scene->fog_count; i++) {
+        const al_fog *f = &scene->fogs[i];
+        json_array_append_new(
+            list, json_pack("{s:o,s:o,s:o,s:o,s:o}", "medium", json_text(scene->media[f->medium].name),
+                            "asset", json_text(f->asset), "density", json_number(f->density), "bounds_min_m",
+                            f->bounded ? json_numbers(f->bounds_min_m, 3) : json_null(), "bounds_max_m",
+                            f->bounded ? json_numbers(f->bounds_max_m, 3) : json_null()));
+    }
+    return list;
+}
+
+/* How many opaque instances are lit in each way. */
+static json_t *lighting_counts(const al_scene *scene)
+{
+    int counts[3] = {0};
+    for (uint32_t i = 0; i < scene->instance_count; i++)
+        if (scene->instances[i].role == AL_ROLE_OPAQUE && scene->instances[i].lighting < 3)
+            counts[scene->instances[i].lighting]++;
+    return json_pack("{s:i,s:i,s:i}", "dynamic", counts[AL_LIGHTING_DYNAMIC], "lightmap",
+                     counts[AL_LIGHTING_LIGHTMAP], "probes", counts[AL_LIGHTING_PROBES]);
+}
+
 static json_t *camera_list(const al_scene *scene)
 {
     json_t *list = json_array();
@@ -95,6 +120,11 @@ static al_status summary(const al_file *file, json_t **out, al_error *error)
     json_object_set_new(o, "bounds_max_m", box_corner(high));
     json_object_set_new(o, "exposure_ev", json_number(scene.play.exposure_ev));
     json_object_set_new(o, "translucents", translucent_list(&scene));
+    json_object_set_new(o, "fogs", fog_list(&scene));
+    json_object_set_new(o, "lighting", lighting_counts(&scene));
+    json_object_set_new(o, "baked",
+                        json_pack("{s:o,s:o}", "lightmap", json_text(scene.baked.lightmap), "probes",
+                                  json_text(scene.baked.probes)));
     json_object_set_new(o, "cameras", camera_list(&scene));
     json_object_set_new(o, "provenance", json_provenance(file));
     *out = o;

@@ -9,6 +9,7 @@
 
 #include "airlight/impulse_tables.h"
 #include "airlight/lightmap.h"
+#include "airlight/medium.h"
 #include "airlight/scene.h"
 #include "airlight/translucent.h"
 #include "forge.h"
@@ -97,6 +98,30 @@ static bool read_impulse(const al_file *file)
     return true;
 }
 
+static bool read_medium(const al_file *file)
+{
+    al_medium_info info;
+    al_medium_frame frame;
+    al_medium_page page;
+    al_medium_field *field;
+    if (al_medium_read(file, &info, NULL) != AL_OK) return false;
+    for (uint32_t i = 0; i < info.frame_count; i++) {
+        if (al_medium_read_frame(file, &info, i, &frame, NULL) != AL_OK) return false;
+        for (uint32_t p = 0; p < al_medium_page_count(&info, &frame); p++)
+            if (al_medium_read_page(file, &info, i, p, &page, NULL) != AL_OK) return false;
+    }
+    REQUIRE(al_medium_field_open(file, &info, &field, NULL) == AL_OK);
+    for (int i = 0; i < 64; i++) {
+        double place[3];
+        for (int k = 0; k < 3; k++)
+            place[k] = info.bounds_min_m[k] +
+                       ((double)info.bounds_max_m[k] - info.bounds_min_m[k]) * (i >> 2 * k & 3) / 3;
+        REQUIRE(al_medium_evaluate(field, place, i * 0.05) >= 0);
+    }
+    al_medium_field_close(field);
+    return true;
+}
+
 /* Number of findings, and a hash of them, to compare two ways of checking. */
 static void count_finding(void *user, int rule, const char *message)
 {
@@ -120,6 +145,7 @@ static void try_bytes(const uint8_t *data, size_t size)
         bool read = kind == AL_KIND_SCENE            ? read_scene(file)
                     : kind == AL_KIND_LIGHTMAP       ? read_lightmap(file)
                     : kind == AL_KIND_IMPULSE_TABLES ? read_impulse(file)
+                    : kind == AL_KIND_MEDIUM         ? read_medium(file)
                                                      : read_translucent(file);
         REQUIRE(read || checked != AL_OK);
         al_file_close(file);

@@ -186,3 +186,30 @@ void golden_fill_impulse(golden_impulse *golden)
     golden->data = (al_impulse_data){{3, 2, GOLDEN_TABLES, 0.0009765625, 1024, 0.0000152587890625, 0.0001220703125},
                                      golden->tables, "{\"key\":\"00112233445566aa\"}"};
 }
+
+/* --- medium --- */
+
+/* 2 at the end of x alone, then a box of 4 before a slope of 1 + y / 2 + z / 8. */
+float golden_density(uint32_t frame, uint32_t x, uint32_t y, uint32_t z)
+{
+    if (frame == 0) return x == 9 ? 2 : 0;
+    return x < 8 ? 4 : 1 + 0.5f * (float)y + 0.125f * (float)z;
+}
+
+static al_status golden_slice(void *user, uint32_t frame, uint32_t z, float *density, al_error *error)
+{
+    (void)user, (void)error;
+    for (uint32_t i = 0; i < 20; i++) density[i] = golden_density(frame, i % 10, i / 10, z);
+    return AL_OK;
+}
+
+void golden_fill_medium(al_medium_data *data)
+{
+    static const float times_s[] = {0.5f, 1};
+    *data = (al_medium_data){
+        .info = {.size = {10, 2, 9}, .page_size = 1, .frame_count = 2, .extended = true,
+                 .grid_to_world = {0.5f, 0, 0, 0, 0, 0.25f, 0, 0, 0, 0, 0.125f, 0, -2, -1, 3, 1},
+                 .bounds_min_m = {-2.5f, -1.5f, 2.5f}, .bounds_max_m = {2.75f, 0.5f, 4.25f},
+                 .sigma_s_per_m = {1, 2, 4}, .sigma_a_per_m = {0.5f, 0.25f, 0}, .g = 0.75f},
+        .times_s = times_s, .slice = golden_slice, .provenance_json = "{\"key\":\"00000000deadbeef\"}"};
+}

@@ -5,6 +5,7 @@
 
 #include "airlight/impulse_tables.h"
 #include "airlight/lightmap.h"
+#include "airlight/medium.h"
 #include "airlight/scene.h"
 #include "airlight/translucent.h"
 
@@ -46,5 +47,9 @@ typedef struct golden_impulse {
     float angles[2], values[GOLDEN_TABLES][7 * 4 * 6];
 } golden_impulse;
 void golden_fill_impulse(golden_impulse *golden);
+/* Two frames of 10 x 2 x 9 voxels in two bricks, of which the first frame lacks one; pages of one brick. */
+void golden_fill_medium(al_medium_data *data);
+/* The density the golden medium has in voxel x, y, z of a frame. */
+float golden_density(uint32_t frame, uint32_t x, uint32_t y, uint32_t z);
 
 #endif

@@ -10,7 +10,8 @@
 
 static const char *const valid[] = {"translucent_float_1_0", "translucent_half_1_0", "translucent_byte_1_0",
                                     "scene_1_0",            "scene_lit_1_0",
-                                    "impulse_tables_1_0",   "lightmap_float_1_0", "lightmap_half_1_0"};
+                                    "impulse_tables_1_0",   "lightmap_float_1_0", "lightmap_half_1_0",
+                                    "medium_1_0"};
 
 static forged load_golden(const char *name)
 {
@@ -60,6 +61,20 @@ static al_status read_lightmap(const al_file *file, al_error *error)
     return status;
 }
 
+static al_status read_medium(const al_file *file, al_error *error)
+{
+    al_medium_info info;
+    al_medium_frame frame;
+    al_medium_page page;
+    al_status status = al_medium_read(file, &info, error);
+    for (uint32_t i = 0; status == AL_OK && i < info.frame_count; i++) {
+        status = al_medium_read_frame(file, &info, i, &frame, error);
+        for (uint32_t p = 0; status == AL_OK && p < al_medium_page_count(&info, &frame); p++)
+            status = al_medium_read_page(file, &info, i, p, &page, error);
+    }
+    return status;
+}
+
 /* Opens and reads all of it, as the runtime would. */
 static al_status read_whole(const char *name, forged f, al_error *error)
 {
@@ -76,6 +91,8 @@ static al_status read_whole(const char *name, forged f, al_error *error)
         al_impulse_tables_free(tables);
     } else if (al_file_kind(file) == AL_KIND_LIGHTMAP) {
         status = read_lightmap(file, error);
+    } else if (al_file_kind(file) == AL_KIND_MEDIUM) {
+        status = read_medium(file, error);
     } else {
         al_translucent_info info;
         al_translucent_page page;
@@ -226,6 +243,10 @@ static void test_same_bytes(const char *folder)
     golden_fill_impulse(&impulse);
     CHECK(al_impulse_tables_write(path, &impulse.data, NULL, &error) == AL_OK);
     compare_bytes("impulse_tables_1_0", path);
+    al_medium_data medium;
+    golden_fill_medium(&medium);
+    CHECK(al_medium_write(path, &medium, NULL, &error) == AL_OK);
+    compare_bytes("medium_1_0", path);
     for (size_t i = 0; i < refusal_count; i++) {
         char name[256];
         refusal_file(&refusals[i], name, sizeof name);

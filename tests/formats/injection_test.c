@@ -157,6 +157,27 @@ static al_status write_lightmap(al_error *error)
     return al_lightmap_write(path, &golden.data, NULL, error);
 }
 
+static al_status write_medium(al_error *error)
+{
+    al_medium_data medium;
+    golden_fill_medium(&medium);
+    return al_medium_write(path, &medium, NULL, error);
+}
+
+static al_status read_medium(al_error *error)
+{
+    al_file *file;
+    al_medium_info info;
+    al_medium_field *field = NULL;
+    al_status status = al_file_open(AIRLIGHT_GOLDEN "/medium_1_0.air", NULL, &file, error);
+    if (status == AL_OK) status = al_medium_read(file, &info, error);
+    if (status == AL_OK) status = al_medium_field_open(file, &info, &field, error);
+    CHECK((status == AL_OK) == (field != NULL));
+    al_medium_field_close(field);
+    al_file_close(file);
+    return status;
+}
+
 static al_status write_text(al_error *error)
 {
     return al_write_file(path, "text", 4, error);
@@ -247,28 +268,29 @@ static void fail_every_call(const char *folder, const char *name, al_status (*wo
 
 int main(void)
 {
-    char folder[256], target[512], made[5][512];
+    char folder[256], target[512], made[6][512];
     if (!folder_make(folder, sizeof folder)) return test_skip("no temporary folder");
     static const char *const names[] = {"write translucent", "write scene", "write text", "write impulse",
-                                        "write lightmap"};
+                                        "write lightmap", "write medium"};
     al_status (*const writers[])(al_error *) = {write_translucent, write_scene, write_text, write_impulse,
-                                                write_lightmap};
-    for (int i = 0; i < 5; i++) { /* what success leaves, in another folder */
+                                                write_lightmap, write_medium};
+    for (int i = 0; i < 6; i++) { /* what success leaves, in another folder */
         snprintf(made[i], sizeof made[i], "%s.%d", folder, i);
         path = made[i];
         CHECK(writers[i](NULL) == AL_OK);
     }
     snprintf(target, sizeof target, "%s/file", folder);
     path = target;
-    for (int i = 0; i < 5; i++) fail_every_call(folder, names[i], writers[i], made[(i + 1) % 5], made[i]);
+    for (int i = 0; i < 6; i++) fail_every_call(folder, names[i], writers[i], made[(i + 1) % 6], made[i]);
     unlink(path);
     fail_every_call(folder, "read scene", read_scene, "", "");
+    fail_every_call(folder, "read medium", read_medium, "", "");
     fail_every_call(folder, "check scene", check_scene, "", "");
     fail_every_call(folder, "read impulse", read_impulse, "", "");
     fail_every_call(folder, "check impulse", check_impulse, "", "");
     fail_every_call(folder, "check translucent", check_translucent, "", "");
     fail_every_call(folder, "check lightmap", check_lightmap, "", "");
-    for (int i = 0; i < 5; i++) unlink(made[i]);
+    for (int i = 0; i < 6; i++) unlink(made[i]);
     CHECK(rmdir(folder) == 0);
     return test_end();
 }

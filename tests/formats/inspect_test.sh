@@ -43,7 +43,7 @@ same() {
 
 cd "$golden" || exit 1
 
-for kind in translucent_byte scene impulse_tables lightmap_half; do
+for kind in translucent_byte scene scene_lit impulse_tables lightmap_half medium; do
     run 0 ${kind}_1_0.air
     same $kind.txt
     run 0 --json ${kind}_1_0.air
@@ -80,6 +80,12 @@ fails 2 'has no length' translucent_float_1_0.air --eval '{"position": [0, 0, 0]
 fails 2 'unknown key "normal"' translucent_float_1_0.air --eval '{"position": [0, 0, 0], "direction": [0, 1, 0], "normal": [0, 1, 0]}'
 fails 2 'is no JSON object' translucent_float_1_0.air --eval '[1]'
 fails 2 'is no JSON object' translucent_float_1_0.air --eval 'x'
+# Voxel (9, 1, 4) of the second frame of the golden medium: density 1 + 1/2 + 4/8 = 2 at (2.5, -0.75, 3.5).
+run 0 medium_1_0.air --eval '{"position": [2.5, -0.75, 3.5], "time": 1}'
+[ "$(cat "$work/out")" = '{"sigma_s_per_m": [2.0, 4.0, 8.0], "sigma_a_per_m": [1.0, 0.5, 0.0], "g": 0.75}' ] || wrong "answer: $(cat "$work/out")"
+run 0 medium_1_0.air --eval '{"position": [0, 5, 0]}'
+[ "$(cat "$work/out")" = '{"sigma_s_per_m": [0.0, 0.0, 0.0], "sigma_a_per_m": [0.0, 0.0, 0.0], "g": 0.75}' ] || wrong "answer: $(cat "$work/out")"
+fails 2 '"time" should be a finite number' medium_1_0.air --eval '{"position": [0, 0, 0], "time": "now"}'
 fails 2 'answers no questions' scene_1_0.air --eval '{}'
 fails 3 '(rule 106)' refuse_106_header_checksum.air --eval '{"position": [0, 0, 0], "direction": [0, 1, 0]}'
 

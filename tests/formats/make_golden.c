@@ -41,7 +41,12 @@ static al_status write_valid(const char *folder, al_error *error)
     golden_impulse impulse;
     golden_fill_impulse(&impulse);
     snprintf(path, sizeof path, "%s/impulse_tables_1_0.air", folder);
-    return al_impulse_tables_write(path, &impulse.data, NULL, error);
+    status = al_impulse_tables_write(path, &impulse.data, NULL, error);
+    if (status != AL_OK) return status;
+    al_medium_data medium;
+    golden_fill_medium(&medium);
+    snprintf(path, sizeof path, "%s/medium_1_0.air", folder);
+    return al_medium_write(path, &medium, NULL, error);
 }
 
 static al_status write_refusal(const char *folder, const refusal *r, al_error *error)

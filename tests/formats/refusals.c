@@ -7,6 +7,7 @@
 #define LIT "scene_lit_1_0"
 #define MAP "lightmap_half_1_0"
 #define MAP_FLOAT "lightmap_float_1_0"
+#define MEDIUM "medium_1_0"
 
 #define IMPULSE "impulse_tables_1_0"
 
@@ -140,6 +141,19 @@ const refusal refusals[] = {
     {131, "lightmap_vertex_not_finite", MAP, SEAL_ALL, {CHUNK("VERT", 0, 4, 4, NAN_BITS)}},
     {132, "lightmap_scale_zero", MAP, SEAL_ALL, {CHUNK("PAGS", 0, 8, 4, 0)}},
     {130, "fog_cut_off", LIT, SEAL_ALL, {RESIZE("FOGS", 0, 76), CHUNK("FOGS", 0, 76, 4, 0)}},
+    {130, "frames_too_short", MEDIUM, SEAL_ALL, {RESIZE("FRAM", 0, 12), CHUNK("FRAM", 0, 12, 8, 0), CHUNK("FRAM", 0, 20, 4, 0)}},
+    {701, "index_missing", MEDIUM, SEAL_ALL, {HIDE("INDX", 1)}},
+    {702, "index_too_short", MEDIUM, SEAL_ALL, {RESIZE("INDX", 0, 4), CHUNK("INDX", 0, 4, 4, 0)}},
+    {703, "brick_out_of_order", MEDIUM, SEAL_ALL, {CHUNK("INDX", 1, 0, 4, 1)}},
+    {703, "brick_left_over", MEDIUM, SEAL_ALL, {CHUNK("INDX", 1, 4, 4, 0xffffffff)}},
+    {704, "brick_page_missing", MEDIUM, SEAL_ALL, {HIDE("PAGE", 2)}},
+    {705, "brick_page_too_short", MEDIUM, SEAL_ALL, {RESIZE("PAGE", 0, 1456), CHUNK("PAGE", 0, 1456, 2, 0)}},
+    {706, "density_above_unit", MEDIUM, SEAL_ALL, {CHUNK("PAGE", 0, 10, 2, 0x7801)}},
+    {706, "density_negative", MEDIUM, SEAL_ALL, {CHUNK("PAGE", 2, 0, 2, 0x8000)}},
+    {707, "medium_bounds_equal", MEDIUM, SEAL_ALL, {CHUNK("INFO", 0, 88, 4, 0x40300000)}},
+    {708, "grid_flat", MEDIUM, SEAL_ALL, {CHUNK("INFO", 0, 24, 4, 0)}},
+    {708, "grid_not_affine", MEDIUM, SEAL_ALL, {CHUNK("INFO", 0, 36, 4, 0x3f800000)}},
+    {709, "frames_at_one_time", MEDIUM, SEAL_ALL, {CHUNK("FRAM", 0, 12, 4, 0x3f000000)}},
     {130, "lighting_of_too_few", LIT, SEAL_ALL, {RESIZE("INLI", 0, 8), CHUNK("INLI", 0, 8, 4, 0)}},
 
     {130, "impulse_info_too_short", IMPULSE, SEAL_ALL, {RESIZE("INFO", 0, 40), CHUNK("INFO", 0, 40, 4, 0)}},

@@ -30,11 +30,12 @@ static double real(const source *s, size_t at)
     return bits >> 31 ? -value : value;
 }
 
-/* A normal binary16. */
+/* binary16 by its definition. */
 static double half(const source *s, size_t at)
 {
-    unsigned bits = (unsigned)number(s, at, 2);
-    return ldexp(1024 + (int)(bits & 1023), (int)(bits >> 10 & 31) - 25) * (bits >> 15 ? -1 : 1);
+    int bits = (int)number(s, at, 2), exponent = bits >> 10 & 31, fraction = bits & 1023;
+    double value = exponent ? ldexp(1024 + fraction, exponent - 25) : ldexp(fraction, -24);
+    return bits >> 15 ? -value : value;
 }
 
 static source *load(const char *name)
@@ -295,10 +296,43 @@ static void check_lightmap(void)
     }
 }
 
+/* medium: 10 x 2 x 9 voxels in two cells; values as in golden_data.c. */
+static void check_medium(void)
+{
+    const source *s = load("medium_1_0.air");
+    size_t size, at = chunk(s, "INFO", 0, &size);
+    check_container(s, 6);
+    CHECK(size == 140 && number(s, at, 4) == 10 && number(s, at + 4, 4) == 2 && number(s, at + 8, 4) == 9);
+    CHECK(number(s, at + 12, 4) == 1 && number(s, at + 16, 4) == 2 && number(s, at + 20, 4) == 1);
+    CHECK(real(s, at + 24) == 0.5 && real(s, at + 24 + 4 * 12) == -2 && real(s, at + 84) == 1);
+    CHECK(real(s, at + 88) == -2.5 && real(s, at + 100) == 2.75 && real(s, at + 112 + 8) == 4 &&
+          real(s, at + 124) == 0.5 && real(s, at + 136) == 0.75);
+    at = chunk(s, "FRAM", 0, &size);
+    CHECK(size == 24 && real(s, at) == 0.5 && real(s, at + 4) == 2 && number(s, at + 8, 4) == 1);
+    CHECK(real(s, at + 12) == 1 && real(s, at + 16) == 4 && number(s, at + 20, 4) == 2);
+    at = chunk(s, "INDX", 0, &size);
+    CHECK(size == 8 && number(s, at, 4) == 0xffffffff && number(s, at + 4, 4) == 0);
+    at = chunk(s, "INDX", 1, &size);
+    CHECK(size == 8 && number(s, at, 4) == 0 && number(s, at + 4, 4) == 1);
+    for (int page = 0; page < 3; page++) {
+        at = chunk(s, "PAGE", page, &size);
+        CHECK(size == 2 * 9 * 9 * 9);
+        for (int i = 0; i < 729; i++) {
+            int x = i % 9 + (page == 1 ? 0 : 8), y = i / 9 % 9, z = i / 81;
+            if (x > 9 || y > 1) continue; /* beyond the last voxel nothing counts */
+            double wanted = page == 0 ? (x == 9 ? 2 : 0) : x < 8 ? 4 : 1 + y / 2.0 + z / 8.0;
+            CHECK(half(s, at + 2 * (size_t)i) / 32768 * (page ? 4 : 2) == wanted);
+        }
+    }
+    chunk(s, "PAGE", 3, &size);
+    CHECK(size == 0);
+}
+
 int main(void)
 {
     check_impulse_tables();
     check_lightmap();
+    check_medium();
     check_translucent();
     check_half();
     check_scene();

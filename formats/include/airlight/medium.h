@@ -1,0 +1,97 @@
+/* The medium asset: a density that varies in space, as bricks of voxels, one frame or a sequence of them.
+ *
+ * Index space has voxel centres at whole numbers, (0, 0, 0) the first; the density is trilinear between
+ * centres and, inside the grid's box [-1/2, size - 1/2], beyond the outermost ones what it is there. Outside
+ * that box it is 0, or, in an extended medium, goes on up to the bounds. Outside the bounds it is 0.
+ *
+ * A brick holds the 9^3 densities at the corners of 8^3 cells: neighbours share a layer, so that each is
+ * filtered without the others. Bricks that are 0 everywhere are left out. They lie in pages (one chunk each,
+ * verified one by one), so that a reader can take frame by frame and page by page.
+ *
+ * Thread safety and lifetime: as al_file; every pointer is valid until al_file_close. */
+#ifndef AIRLIGHT_MEDIUM_H
+#define AIRLIGHT_MEDIUM_H
+
+#include <stdbool.h>
+
+#include "airlight/container.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum {
+    AL_BRICK_CELLS = 8,                                            /* along an edge */
+    AL_BRICK_EDGE = AL_BRICK_CELLS + 1,                            /* densities along an edge */
+    AL_BRICK_SIZE = AL_BRICK_EDGE * AL_BRICK_EDGE * AL_BRICK_EDGE, /* densities */
+    AL_MEDIUM_UNIT = 32768                                         /* stored value of a frame's maximum */
+};
+
+#define AL_NO_BRICK UINT32_MAX
+
+typedef struct al_medium_info {
+    uint32_t size[3];        /* voxels along x, y, z of index space */
+    uint32_t page_size;      /* bricks per page; the last page of a frame may hold fewer */
+    uint32_t frame_count;    /* at least 1 */
+    bool extended;           /* the outermost densities hold up to the bounds */
+    float grid_to_world[16]; /* column-major; takes index space to metres in world axes */
+    float bounds_min_m[3];   /* world axes */
+    float bounds_max_m[3];
+    float sigma_s_per_m[3]; /* at density 1 */
+    float sigma_a_per_m[3];
+    float g; /* Henyey-Greenstein asymmetry, in (-1, 1) */
+} al_medium_info;
+
+typedef struct al_medium_frame {
+    float time_s;      /* rises from frame to frame; between frames the density is linear in time */
+    float density_max; /* stored values are binary16 of density / density_max * AL_MEDIUM_UNIT */
+    uint32_t brick_count;
+    const uint32_t *bricks; /* [z][y][x] of al_medium_cells: number of the brick or AL_NO_BRICK */
+} al_medium_frame;
+
+typedef struct al_medium_page {
+    uint32_t first, count;  /* bricks of the frame */
+    const uint16_t *values; /* [count][9][9][9], x fastest, binary16, 0 to AL_MEDIUM_UNIT */
+} al_medium_page;
+
+/* Reads and validates the info; `file` must be of kind medium. */
+al_status al_medium_read(const al_file *file, al_medium_info *info, al_error *error);
+/* Bricks along each axis: those that the voxel centres span, at least one. */
+void al_medium_cells(const al_medium_info *info, uint32_t cells[3]);
+/* Verifies and answers a frame's index of bricks; `index` below frame_count. */
+al_status al_medium_read_frame(const al_file *file, const al_medium_info *info, uint32_t index,
+                               al_medium_frame *frame, al_error *error);
+uint32_t al_medium_page_count(const al_medium_info *info, const al_medium_frame *frame);
+/* Verifies and answers page `page` of frame `index`. */
+al_status al_medium_read_page(const al_file *file, const al_medium_info *info, uint32_t index, uint32_t page,
+                              al_medium_page *out, al_error *error);
+
+/* The whole medium as a function of place and time. Opening verifies every page; evaluating is thread-safe.
+ */
+typedef struct al_medium_field al_medium_field;
+al_status al_medium_field_open(const al_file *file, const al_medium_info *info, al_medium_field **field,
+                               al_error *error);
+void al_medium_field_close(al_medium_field *field); /* before al_file_close; NULL is allowed */
+/* Density at a world position; before the first and after the last frame it is that frame's. */
+double al_medium_evaluate(const al_medium_field *field, const double position[3], double time_s);
+
+/* Fills slice z of frame `frame`: density [y][x], x fastest, finite and 0 or more. */
+typedef al_status al_medium_slice_fn(void *user, uint32_t frame, uint32_t z, float *density, al_error *error);
+
+typedef struct al_medium_data {
+    al_medium_info info;  /* page_size 0: 256 */
+    const float *times_s; /* [frame_count]; NULL: 0, for one frame */
+    al_medium_slice_fn *slice;
+    void *user;
+    const char *provenance_json; /* kept as chunk PROV; may be NULL */
+} al_medium_data;
+
+/* Asks for every slice twice, in order (its maximum, then its bricks; nine slices are kept), and writes the
+ * asset atomically. Error of a stored density: 2^-11 of it, below 2^-29 of the frame's maximum 2^-40 of that.
+ * bytes may be NULL. */
+al_status al_medium_write(const char *path, const al_medium_data *data, uint64_t *bytes, al_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
