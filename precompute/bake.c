@@ -10,6 +10,7 @@
 
 #include "airlight/program.h"
 #include "airlight/translucent.h"
+#include "bake_medium.h"
 #include "bake_object.h"
 #include "report.h"
 
@@ -145,6 +146,33 @@ static al_status bake_objects(bake *b, al_error *error)
     return AL_OK;
 }
 
+/* Fogs of one medium share an asset. */
+static al_status bake_fogs(bake *b, al_error *error)
+{
+    al_bake_options options = {.program = b->program,
+                               .folder = b->arguments->folder,
+                               .memory_limit = (size_t)(b->arguments->memory_limit_mib * 1048576)};
+    al_status status = AL_OK;
+    for (uint32_t i = 0; i < b->import->scene.fog_count && status == AL_OK; i++) {
+        char path[1400];
+        uint64_t key, present;
+        al_step step = {0};
+        if (!al_fog_varies(b->import, i)) continue;
+        status = al_bake_medium_key(b->import, i, &key, error);
+        if (status != AL_OK) return status;
+        snprintf(path, sizeof path, "%s/%s", b->arguments->folder, b->import->scene.fogs[i].asset);
+        if (asset_key(path, AL_KIND_MEDIUM, &present) && present == key) {
+            al_program_say(b->program, "%s is up to date", path);
+            continue;
+        }
+        status = al_bake_medium(b->import, i, key, &options, &step, error);
+        if (status != AL_OK) return status;
+        if (b->report.steps.count < AL_STEP_LIMIT) b->report.steps.steps[b->report.steps.count++] = step;
+        al_program_say(b->program, "wrote %s", path);
+    }
+    return status;
+}
+
 /* Of everything scene.air is made from: the scene file and all it names. */
 static uint64_t scene_key(const al_import *import)
 {
@@ -178,6 +206,13 @@ static al_status name_assets(bake *b, al_error *error)
         al_bake_object_file(&b->import->scene.translucents[i], file, sizeof file);
         b->import->scene.translucents[i].asset = al_scene_text(&b->import->scene, file);
         if (!b->import->scene.translucents[i].asset) return al_fail(error, AL_IO, "out of memory");
+    }
+    for (uint32_t i = 0; i < b->import->scene.fog_count; i++) {
+        char file[160];
+        if (!al_fog_varies(b->import, i)) continue;
+        al_bake_medium_file(b->import, i, file, sizeof file);
+        b->import->scene.fogs[i].asset = al_scene_text(&b->import->scene, file);
+        if (!b->import->scene.fogs[i].asset) return al_fail(error, AL_IO, "out of memory");
     }
     return AL_OK;
 }
@@ -213,6 +248,7 @@ static al_status bake_scene(bake *b, const char *scene, al_quality quality, al_e
     status = make_folder(b->arguments->folder, error);
     if (status == AL_OK) status = name_assets(b, error);
     if (status == AL_OK) status = in_scene(scene, bake_objects(b, error), error);
+    if (status == AL_OK) status = in_scene(scene, bake_fogs(b, error), error);
     if (status == AL_OK) status = write_scene(b, error);
     if (status == AL_OK) status = al_report_write(b->arguments->folder, &b->report, error);
     return status;
@@ -232,7 +268,7 @@ int main(int argc, char **argv)
          "OpenCL devices by number; objects go to them in turn (0)", 0, 0},
         {"--threads", "N", AL_OPTION_INT, &a.threads, "CPU threads (one per core)", 1, 256},
         {"--memory-limit", "MIB", AL_OPTION_REAL, &a.memory_limit_mib,
-         "memory for swept fields on the device (512)", 16, 1 << 20},
+         "memory for swept fields on the device, and for a fog's grid (512)", 16, 1 << 20},
     };
     al_program program = {
         .name = "airlight-bake",

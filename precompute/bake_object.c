@@ -44,12 +44,12 @@ typedef struct work {
     uint32_t stage;
 } work;
 
-void al_bake_object_file(const al_translucent_object *object, char *name, size_t size)
+void al_asset_file(const char *name, const char *kind, char *file, size_t size)
 {
     char safe[120];
     size_t n = 0;
     bool changed = false;
-    const char *c = object->name;
+    const char *c = name;
     for (; *c && n + 1 < sizeof safe; c++) {
         safe[n] = *c == '/' || *c == '\\' ? '_' : *c;
         changed = changed || safe[n++] != *c;
@@ -59,10 +59,15 @@ void al_bake_object_file(const al_translucent_object *object, char *name, size_t
     changed = changed || *c;
     safe[n] = 0;
     if (changed)
-        snprintf(name, size, "%s-%016llx.translucent.air", safe,
-                 (unsigned long long)XXH64(object->name, strlen(object->name), 0));
+        snprintf(file, size, "%s-%016llx.%s.air", safe, (unsigned long long)XXH64(name, strlen(name), 0),
+                 kind);
     else
-        snprintf(name, size, "%s.translucent.air", safe);
+        snprintf(file, size, "%s.%s.air", safe, kind);
+}
+
+void al_bake_object_file(const al_translucent_object *object, char *name, size_t size)
+{
+    al_asset_file(object->name, "translucent", name, size);
 }
 
 static void add_step(work *w, const char *name, double seconds, uint64_t bytes, uint64_t items)
@@ -86,7 +91,7 @@ static void hash_triangles(XXH64_state_t *state, const al_triangles *triangles)
                  3 * (size_t)triangles->triangle_count * sizeof *triangles->indices);
 }
 
-static void hash_density(XXH64_state_t *state, const al_import *import, const al_density_description *density)
+void al_hash_density(XXH64_state_t *state, const al_import *import, const al_density_description *density)
 {
     double numbers[] = {density->type,        density->scale,    density->has_bounds, density->period_m,
                         density->thickness_m, density->offset_m, density->low,        density->high};
@@ -123,7 +128,7 @@ al_status al_bake_object_key(const al_import *import, uint32_t index, uint64_t *
         const al_density_description *density = &import->description->media[object->medium].density;
         if (density->type != AL_DENSITY_CONSTANT)
             XXH64_update(state, import->scene.instances[object->instance].world, sizeof(float[16]));
-        hash_density(state, import, density);
+        al_hash_density(state, import, density);
         hash_triangles(state, &boundary);
         hash_triangles(state, &blockers);
         *key = XXH64_digest(state);

@@ -2,6 +2,8 @@
 #ifndef AIRLIGHT_BAKE_OBJECT_H
 #define AIRLIGHT_BAKE_OBJECT_H
 
+#include <xxhash.h>
+
 #include "airlight/program.h"
 #include "device.h"
 #include "import.h"
@@ -30,6 +32,12 @@ typedef struct al_bake_options {
  * that differ give files that differ: where the object's own cannot stand in a file name, its hash is added.
  */
 void al_bake_object_file(const al_translucent_object *object, char *name, size_t size);
+
+/* NAME.KIND.air, made safe in the same way. */
+void al_asset_file(const char *name, const char *kind, char *file, size_t size);
+
+/* Adds what a density depends on, the contents of its file included. */
+void al_hash_density(XXH64_state_t *state, const al_import *import, const al_density_description *density);
 
 /* Content hash of everything the asset depends on. */
 al_status al_bake_object_key(const al_import *import, uint32_t index, uint64_t *key, al_error *error);

@@ -172,6 +172,18 @@ double al_density_detail_m(const al_density *density)
     return density->detail_m;
 }
 
+bool al_density_grid(const al_density *density, al_density_voxels *voxels)
+{
+    *voxels = (al_density_voxels){0};
+    if (density->from.type != AL_DENSITY_GRID) return false;
+    memcpy(voxels->size, density->grid.size, sizeof voxels->size);
+    voxels->values = density->grid.values;
+    voxels->scale = density->from.scale;
+    al_matrix_multiply(density->from.grid_to_world, density->grid.index_to_world, voxels->index_to_world);
+    voxels->extended = density->from.has_bounds;
+    return true;
+}
+
 bool al_density_is_constant(const al_density *density)
 {
     return density->from.type == AL_DENSITY_CONSTANT && !density->from.has_bounds;

@@ -18,6 +18,16 @@ double al_density_at(const al_density *density, const double position[3]);
 double al_density_max(const al_density *density);
 /* World edge of the finest detail: the voxel of a grid, the thinnest layer; 0 for a constant. */
 double al_density_detail_m(const al_density *density);
+/* The voxels of a grid, as they are in the file. */
+typedef struct al_density_voxels {
+    uint32_t size[3];
+    const float *values;       /* [z][y][x], x fastest; density = scale * value; the density's own */
+    double scale;
+    double index_to_world[16]; /* column-major, affine; (i, j, k) is the centre of values[k][j][i] */
+    bool extended;             /* the outermost values hold up to the medium's bounds */
+} al_density_voxels;
+/* False, and zeros: the density is no grid. */
+bool al_density_grid(const al_density *density, al_density_voxels *voxels);
 bool al_density_is_constant(const al_density *density);
 /* World box outside of which the density is 0: of a turned grid the box around it. False: it has none. */
 bool al_density_bounds(const al_density *density, double low[3], double high[3]);

@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "bake_medium.h"
+
 /* Measured on two cores of a 2020s server with PoCL (docs/performance.md): seconds per unit of work. */
 static const double seconds_per_voxel_direction = 4e-9;
 static const double seconds_per_sample_direction = 5e-7;
@@ -28,6 +30,8 @@ void al_plan_make(const al_import *import, al_plan *plan)
     for (uint32_t i = 0; i < scene->instance_count; i++)
         blockers = blockers || scene->instances[i].role == AL_ROLE_BLOCKER;
     double channels = chromatic ? 3 : 1, directions = s->directions, samples = s->samples;
+    bool varies = false;
+    for (uint32_t i = 0; i < scene->fog_count; i++) varies = varies || al_fog_varies(import, i);
     const char *none = "the scene has no translucent object";
 
     plan->count = 0;
@@ -53,6 +57,11 @@ void al_plan_make(const al_import *import, al_plan *plan)
         chromatic ? "extinction differs between red, green and blue: three sets of coefficients"
                   : "extinction is grey: one set of coefficients serves",
         0, 0);
+    add(plan, "medium", varies,
+        varies             ? "the density of a fog varies: its voxels become bricks"
+        : scene->fog_count ? "the density of every fog is constant"
+                           : "the scene has no fog",
+        0.1, 0);
     add(plan, "environment", scene->environment.width > 0,
         scene->environment.width > 0 ? "the scene has an environment light"
                                      : "the scene has no environment light",
