@@ -30,6 +30,7 @@ typedef struct work {
     uint64_t key;
     char path[1200], partial_path[1210];
     al_triangles boundary, blockers;
+    al_solid *blocker_solid; /* NULL without blockers */
     al_tetrahedra tetrahedra;
     al_density_field field;
     al_grid grid;
@@ -260,7 +261,10 @@ static al_status place_samples(work *w, al_error *error)
     double started = al_program_seconds();
     al_status status = al_tetrahedralise(w->object->name, &w->boundary, &w->tetrahedra, error);
     if (status != AL_OK) return status;
-    al_interior interior = {w->tetrahedra.points, w->tetrahedra.corners, w->tetrahedra.count};
+    if (w->blockers.triangle_count) status = al_solid_create(&w->blockers, &w->blocker_solid, error);
+    if (status != AL_OK) return status;
+    al_interior interior = {w->tetrahedra.points, w->tetrahedra.corners, w->tetrahedra.count,
+                            w->blocker_solid};
     add_step(w, "tetrahedra", al_program_seconds() - started, 0, interior.count);
 
     started = al_program_seconds();
@@ -502,6 +506,7 @@ al_status al_bake_object(const al_import *import, uint32_t index, uint64_t key, 
 
     al_triangles_free(&w->boundary);
     al_triangles_free(&w->blockers);
+    al_solid_free(w->blocker_solid);
     al_tetrahedra_free(&w->tetrahedra);
     al_grid_free(&w->grid);
     if (w->sweep.device) al_sweep_free(&w->sweep);

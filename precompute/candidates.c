@@ -27,11 +27,11 @@ static double tetrahedron_volume(const al_interior *interior, uint32_t t)
     return fabs(determinant) / 6;
 }
 
-al_status al_candidates_create(const al_grid *grid, const al_interior *interior, uint32_t seed,
-                               al_candidates *candidates, al_error *error)
+al_status al_candidates_create(const al_interior *interior, uint32_t seed, al_candidates *candidates,
+                               al_error *error)
 {
     double volume = 0;
-    *candidates = (al_candidates){.grid = grid, .interior = interior, .seed = seed};
+    *candidates = (al_candidates){.interior = interior, .seed = seed};
     candidates->running_volume = malloc((interior->count + 1) * sizeof(double));
     if (!candidates->running_volume)
         return al_fail(error, AL_IO, "out of memory for %u tetrahedra", interior->count);
@@ -44,17 +44,6 @@ void al_candidates_free(al_candidates *candidates)
 {
     free(candidates->running_volume);
     *candidates = (al_candidates){0};
-}
-
-static bool in_blocker(const al_grid *grid, const double point[3])
-{
-    if (!grid->blockers) return false;
-    size_t at = 0;
-    for (int i = 2; i >= 0; i--) {
-        double voxel = floor((point[i] - grid->origin_m[i]) / grid->voxel_m);
-        at = at * grid->size[i] + (size_t)fmin(fmax(voxel, 0), grid->size[i] - 1);
-    }
-    return grid->blockers[at] > 0.5f;
 }
 
 bool al_candidate(const al_candidates *candidates, uint64_t index, double point[3])
@@ -80,5 +69,5 @@ bool al_candidate(const al_candidates *candidates, uint64_t index, double point[
         for (int n = 0; n < 4; n++)
             point[i] += weight[n] * interior->points[3 * (size_t)interior->corners[4 * (size_t)low + n] + i];
     }
-    return !in_blocker(candidates->grid, point);
+    return !interior->blockers || !al_solid_contains(interior->blockers, point);
 }

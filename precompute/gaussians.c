@@ -220,7 +220,7 @@ al_status al_sample_gaussians(const char *name, const al_grid *grid, const al_in
         status = al_fail(error, AL_IO, "%s: out of memory for the Gaussians of %u samples", name, count);
         goto cleanup;
     }
-    status = al_candidates_create(grid, interior, options->seed ^ 0x5bd1e995u, &candidates, error);
+    status = al_candidates_create(interior, options->seed ^ 0x5bd1e995u, &candidates, error);
     if (status == AL_OK)
         status = al_point_grid_create(samples->positions, count, low, high, samples->radius_m, &b.by_sample,
                                       error);

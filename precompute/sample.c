@@ -256,7 +256,7 @@ al_status al_sample_interior(const char *name, const al_grid *grid, const float 
                  .candidates = &candidates,
                  .progress = progress,
                  .expected = options->count};
-    al_status status = al_candidates_create(grid, interior, options->seed, &candidates, error);
+    al_status status = al_candidates_create(interior, options->seed, &candidates, error);
     if (status != AL_OK) return status;
     for (int i = 0; i < 3; i++) {
         t.low[i] = grid->origin_m[i];

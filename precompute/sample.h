@@ -4,11 +4,13 @@
 
 #include "airlight/program.h"
 #include "grid.h"
+#include "solid.h"
 
 typedef struct al_interior { /* tetrahedra that fill the boundary, object space, metres */
     const double *points;    /* [..][3] */
     const uint32_t *corners; /* [count][4] */
     uint32_t count;
+    const al_solid *blockers; /* NULL: none */
 } al_interior;
 
 typedef struct al_sample_options {
@@ -44,13 +46,12 @@ void al_samples_free(al_samples *samples);
 /* A point drawn uniformly from the interior without its blockers: number `index` of the sequence of `seed`.
  * prefix: running volumes of the tetrahedra. False when it fell into a blocker. */
 typedef struct al_candidates {
-    const al_grid *grid;
     const al_interior *interior;
     double *running_volume; /* [interior.count] */
     uint32_t seed;
 } al_candidates;
-al_status al_candidates_create(const al_grid *grid, const al_interior *interior, uint32_t seed,
-                               al_candidates *candidates, al_error *error);
+al_status al_candidates_create(const al_interior *interior, uint32_t seed, al_candidates *candidates,
+                               al_error *error);
 void al_candidates_free(al_candidates *candidates);
 bool al_candidate(const al_candidates *candidates, uint64_t index, double point[3]);
 

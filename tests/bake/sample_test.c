@@ -32,7 +32,7 @@ static void fill_sphere(scene *s, const al_triangles *mesh)
         s->corners[4 * t] = 0;
         for (int i = 0; i < 3; i++) s->corners[4 * t + 1 + i] = 1 + mesh->indices[3 * t + i];
     }
-    s->interior = (al_interior){s->points, s->corners, mesh->triangle_count};
+    s->interior = (al_interior){s->points, s->corners, mesh->triangle_count, NULL};
     s->volume = 4 * acos(-1) / 3;
 }
 
