@@ -59,9 +59,9 @@ static bool in_range(const al_option *option, double value)
 static int range_error(const al_program *program, const al_option *option, const char *text)
 {
     char expected[160];
-    const char *what = option->kind == AL_OPTION_REAL ? "a number" : option->kind == AL_OPTION_SIZE
-                           ? "WIDTHxHEIGHT, each"
-                           : "a whole number";
+    const char *what = option->kind == AL_OPTION_REAL   ? "a number"
+                       : option->kind == AL_OPTION_SIZE ? "WIDTHxHEIGHT, each"
+                                                        : "a whole number";
     if (option->minimum == option->maximum)
         snprintf(expected, sizeof expected, "takes %s, not '%s'", what, text);
     else
@@ -74,8 +74,12 @@ static int set_value(const al_program *program, const al_option *option, const c
 {
     double value = 0, second = 0;
     switch (option->kind) {
-    case AL_OPTION_FLAG: *(bool *)option->value = true; return -1;
-    case AL_OPTION_STRING: *(const char **)option->value = text; return -1;
+    case AL_OPTION_FLAG:
+        *(bool *)option->value = true;
+        return -1;
+    case AL_OPTION_STRING:
+        *(const char **)option->value = text;
+        return -1;
     case AL_OPTION_LIST: {
         al_option_list *list = option->value;
         if (list->count == AL_OPTION_LIST_LIMIT)
@@ -137,8 +141,14 @@ int al_program_parse(al_program *program, int argc, char **argv, const char **po
         }
         if (!strcmp(word, "--help")) return print_help(program), AL_OK;
         if (!strcmp(word, "--version")) return printf("%s %s\n", program->name, AIRLIGHT_VERSION), AL_OK;
-        if (!strcmp(word, "--quiet")) { program->quiet = true; continue; }
-        if (!strcmp(word, "--verbose")) { program->verbose = true; continue; }
+        if (!strcmp(word, "--quiet")) {
+            program->quiet = true;
+            continue;
+        }
+        if (!strcmp(word, "--verbose")) {
+            program->verbose = true;
+            continue;
+        }
         const char *equals = strchr(word, '=');
         size_t length = equals ? (size_t)(equals - word) : strlen(word);
         const al_option *option = find_option(program, word, length);
@@ -154,7 +164,8 @@ int al_program_parse(al_program *program, int argc, char **argv, const char **po
         if (code >= 0) return code;
     }
     if (*positional_count < minimum) {
-        fprintf(stderr, "%s: an argument is missing; usage: %s %s\n", program->name, program->name, program->usage);
+        fprintf(stderr, "%s: an argument is missing; usage: %s %s\n", program->name, program->name,
+                program->usage);
         return AL_USAGE;
     }
     return -1;
@@ -177,26 +188,28 @@ void al_program_say(const al_program *program, const char *format, ...)
     va_end(arguments);
 }
 
-/* The one piece of process-wide state: a signal handler has no other place to write to. */
-static volatile sig_atomic_t cancelled;
-
-static void on_signal(int number)
+/* Blocked in every thread, a signal waits until somebody looks. A handler would not do: compilers inside
+ * OpenCL drivers put their own in its place, which remove the files they work on. */
+static sigset_t cancelling_signals(void)
 {
-    (void)number;
-    cancelled = 1;
+    sigset_t signals;
+    sigemptyset(&signals);
+    sigaddset(&signals, SIGINT);
+    sigaddset(&signals, SIGTERM);
+    return signals;
 }
 
 void al_program_catch_signals(void)
 {
-    struct sigaction action = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
+    sigset_t signals = cancelling_signals();
+    pthread_sigmask(SIG_BLOCK, &signals, NULL);
 }
 
 bool al_program_cancelled(void)
 {
-    return cancelled != 0;
+    sigset_t waiting;
+    return sigpending(&waiting) == 0 &&
+           (sigismember(&waiting, SIGINT) == 1 || sigismember(&waiting, SIGTERM) == 1);
 }
 
 double al_program_seconds(void)

@@ -1,30 +1,12 @@
 #define _POSIX_C_SOURCE 200809L
 #include "device.h"
 
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "airlight/container.h"
 #include "opencl_texts.h"
-
-/* OpenCL drivers start compilers and threads of their own; a signal that interrupts their waiting looks like a
- * failed build. While they are at it, Ctrl-C and SIGTERM are held back; threads that they start keep it so. */
-static sigset_t hold_signals(void)
-{
-    sigset_t held, before;
-    sigemptyset(&held);
-    sigaddset(&held, SIGINT);
-    sigaddset(&held, SIGTERM);
-    pthread_sigmask(SIG_BLOCK, &held, &before);
-    return before;
-}
-
-static void release_signals(const sigset_t *before)
-{
-    pthread_sigmask(SIG_SETMASK, before, NULL);
-}
 
 static al_status fail_cl(al_error *error, const char *call, cl_int code)
 {
@@ -108,9 +90,7 @@ al_status al_device_open(unsigned number, unsigned threads, const char *log_fold
         setenv("POCL_MAX_PTHREAD_COUNT", text, 1);
     }
     choice wanted = {.number = number};
-    sigset_t before = hold_signals(); /* some drivers start their threads when they are first asked */
     al_status status = visit_devices(choose, &wanted, error);
-    release_signals(&before);
     if (status != AL_OK) return status;
     if (!wanted.found)
         return al_fail(error, AL_NO_DEVICE,
@@ -123,10 +103,8 @@ al_status al_device_open(unsigned number, unsigned threads, const char *log_fold
     snprintf(opened->log_folder, sizeof opened->log_folder, "%s", log_folder ? log_folder : ".");
     name_device(wanted.platform, wanted.device, opened->name);
     cl_int code;
-    before = hold_signals();
     opened->context = clCreateContext(NULL, 1, &opened->id, NULL, NULL, &code);
     if (code == CL_SUCCESS) opened->queue = clCreateCommandQueue(opened->context, opened->id, 0, &code);
-    release_signals(&before);
     if (code != CL_SUCCESS) {
         al_device_close(opened);
         return fail_cl(error, "creating a context and queue", code);
@@ -205,9 +183,7 @@ al_status al_device_kernel(al_device *device, const char *step, cl_kernel *kerne
     cl_program program = clCreateProgramWithSource(device->context, 1, texts, NULL, &code);
     free(text);
     if (code != CL_SUCCESS) return fail_cl(error, "clCreateProgramWithSource", code);
-    sigset_t before = hold_signals();
     code = clBuildProgram(program, 1, &device->id, "-cl-std=CL1.2", NULL, NULL);
-    release_signals(&before);
     if (code != CL_SUCCESS) {
         al_status status = fail_build(device, program, file, error);
         clReleaseProgram(program);
@@ -260,9 +236,7 @@ al_status al_device_run(al_device *device, cl_kernel kernel, const size_t size[3
         if (code != CL_SUCCESS) return fail_cl(error, "clSetKernelArg", code);
     }
     if (size[0] == 0 || size[1] == 0 || size[2] == 0) return AL_OK;
-    sigset_t before = hold_signals();
     cl_int code = clEnqueueNDRangeKernel(device->queue, kernel, 3, NULL, size, NULL, 0, NULL, NULL);
-    release_signals(&before);
     return code == CL_SUCCESS ? AL_OK : fail_cl(error, "clEnqueueNDRangeKernel", code);
 }
 

@@ -78,15 +78,25 @@ static al_status find_program(char path[PATH_MAX], al_error *error)
 static al_status start(const char *path, const exchange *files, pid_t *child, al_error *error)
 {
     posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
+    sigset_t none; /* Ctrl-C ends the child at once, although it waits here */
     char program[PATH_MAX];
     snprintf(program, sizeof program, "%s", path);
     char *arguments[] = {program, NULL};
     if (posix_spawn_file_actions_init(&actions)) return al_fail(error, AL_IO, "%s: out of memory", path);
+    if (posix_spawnattr_init(&attributes)) {
+        posix_spawn_file_actions_destroy(&actions);
+        return al_fail(error, AL_IO, "%s: out of memory", path);
+    }
+    sigemptyset(&none);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
     int failed = posix_spawn_file_actions_adddup2(&actions, files->in, STDIN_FILENO);
     if (!failed) failed = posix_spawn_file_actions_adddup2(&actions, files->out, STDOUT_FILENO);
     if (!failed) failed = posix_spawn_file_actions_adddup2(&actions, files->err, STDERR_FILENO);
-    if (!failed) failed = posix_spawn(child, path, &actions, NULL, arguments, environ);
+    if (!failed) failed = posix_spawn(child, path, &actions, &attributes, arguments, environ);
     posix_spawn_file_actions_destroy(&actions);
+    posix_spawnattr_destroy(&attributes);
     if (failed)
         return al_fail(error, AL_IO, "%s: cannot be started: %s; it belongs beside the program that runs",
                        path, strerror(failed));

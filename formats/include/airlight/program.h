@@ -53,7 +53,8 @@ int al_program_fail(const al_program *program, const al_error *error);
 /* "NAME: message" on standard error unless --quiet. */
 void al_program_say(const al_program *program, const char *format, ...) AL_PRINTF(2, 3);
 
-/* Ctrl-C and SIGTERM set a flag that long steps look at. */
+/* Before the first thread starts: from then on Ctrl-C and SIGTERM only make al_program_cancelled true, which long
+ * steps look at. */
 void al_program_catch_signals(void);
 bool al_program_cancelled(void);
 
