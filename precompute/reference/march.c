@@ -5,9 +5,8 @@
 
 enum { STEPS_PER_VOXEL = 4, STEP_LIMIT = 1 << 20 };
 
-al_march_medium al_march_medium_of(const al_import *import, uint32_t object)
+al_march_medium al_march_medium_of(const al_import *import, uint32_t index)
 {
-    uint32_t index = import->scene.translucents[object].medium;
     const al_medium *from = &import->scene.media[index];
     al_march_medium medium = {.density = import->densities[index], .step_m = INFINITY, .g = from->g};
     medium.description = &import->description->media[index].density;

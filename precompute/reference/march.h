@@ -15,8 +15,8 @@ typedef struct al_march_medium {
     double sigma_s_per_m[3], sigma_t_per_m[3], g; /* at density 1 */
 } al_march_medium;
 
-/* The medium inside a translucent object. */
-al_march_medium al_march_medium_of(const al_import *import, uint32_t object);
+/* `index` into scene.media. */
+al_march_medium al_march_medium_of(const al_import *import, uint32_t index);
 
 /* Integral of the density along the ray from begin_m to end_m, in metres. */
 double al_march_length(const al_march_medium *medium, const al_ray *ray, double begin_m, double end_m);

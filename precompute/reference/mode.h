@@ -4,12 +4,28 @@
 
 #include "ray_scene.h"
 
+/* Which paths count, to look at a part of the light alone. */
+typedef struct al_mode_limits {
+    uint32_t min_events, max_events; /* scattering events in media */
+    uint32_t max_bounces;            /* reflections off surfaces; 0: surfaces are black */
+} al_mode_limits;
+
+static const al_mode_limits al_mode_unlimited = {0, UINT32_MAX, UINT32_MAX};
+
+enum { AL_PROBE_ORDER = 3, AL_PROBE_COUNT = AL_PROBE_ORDER * AL_PROBE_ORDER };
+
+/* A place that receives light: a surface with a unit normal, or a probe with the normal 0. */
+typedef struct al_receiver {
+    double position[3], normal[3];
+} al_receiver;
+
 typedef struct al_mode {
     const char *name, *summary;
+    bool has_limits; /* takes others than al_mode_unlimited */
     /* The import must outlive the state. */
-    al_status (*open)(const al_import *import, void **state, al_error *error);
+    al_status (*open)(const al_import *import, const al_mode_limits *limits, void **state, al_error *error);
     void (*close)(void *state);
-    /* Random numbers one call of `radiance` takes. */
+    /* Random numbers one call of `radiance` or `receive` takes. */
     uint32_t (*dimensions)(const void *state);
     /* Memory of one thread; NULL without memory. */
     void *(*scratch_new)(void);
@@ -18,8 +34,12 @@ typedef struct al_mode {
      * numbers in [0, 1). False without memory. */
     bool (*radiance)(const void *state, void *scratch, const al_ray *eye, const double *random,
                      double radiance[3]);
+    /* The same of a receiver: irradiance in out[0], W/m2, of a surface; the SH coefficients of incident
+     * radiance, out[AL_PROBE_COUNT], of a probe. NULL: the mode has none. */
+    bool (*receive)(const void *state, void *scratch, const al_receiver *receiver, const double *random,
+                    double (*out)[3]);
 } al_mode;
 
-extern const al_mode al_mode_single_scatter;
+extern const al_mode al_mode_single_scatter, al_mode_volume_path;
 
 #endif

@@ -41,8 +41,10 @@ static void close_state(void *user)
     free(state);
 }
 
-static al_status open_state(const al_import *import, void **out, al_error *error)
+static al_status open_state(const al_import *import, const al_mode_limits *limits, void **out,
+                            al_error *error)
 {
+    (void)limits;
     *out = NULL;
     single_scatter *state = calloc(1, sizeof *state);
     uint32_t count = import->scene.translucent_count;
@@ -51,7 +53,8 @@ static al_status open_state(const al_import *import, void **out, al_error *error
         close_state(state);
         return al_fail(error, AL_IO, "out of memory for %u media", count);
     }
-    for (uint32_t i = 0; i < count; i++) state->media[i] = al_march_medium_of(import, i);
+    for (uint32_t i = 0; i < count; i++)
+        state->media[i] = al_march_medium_of(import, import->scene.translucents[i].medium);
     state->lights = import->scene.lights;
     state->light_count = import->scene.light_count;
     al_status status = al_environment_sampler_create(&import->scene.environment, &state->environment, error);

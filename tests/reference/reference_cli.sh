@@ -28,14 +28,20 @@ cat > scene.json <<END
  "cameras": [{"name": "front", "position_m": [0, 0, 3], "target_m": [0, 0, 0]}]}
 END
 single="--mode single-scatter"
+path="--mode volume-path"
 
 expect 0 'single-scatter' --help
 expect 2 '--mode is missing: one of single-scatter' scene.json -o a.exr
-expect 2 "'volume-path' is not a mode" scene.json --mode volume-path -o a.exr
+expect 2 "'sideways' is not a mode: one of single-scatter, volume-path" scene.json --mode sideways -o a.exr
 expect 2 '-o is missing' scene.json $single
 expect 2 'ends in .exr' scene.json $single -o a.png
 expect 2 'ends in .exr' scene.json $single -o .exr
 expect 2 '--spp' scene.json $single -o a.exr --spp 1
+expect 2 '--points goes with' scene.json $single -o a.csv --points none.csv
+expect 2 '--max-bounces go with' scene.json $single -o a.exr --max-bounces 2
+expect 2 '--stats goes with' scene.json $path -o a.exr --stats a.json
+expect 2 'ends in .csv' scene.json $path -o a.exr --points none.csv
+expect 3 'none.csv: cannot open' scene.json $path -o a.csv --points none.csv
 expect 2 '"front"' scene.json $single -o a.exr --camera back
 expect 3 'none.json' none.json $single -o a.exr
 expect 4 'no/such/folder/a.exr' scene.json $single -o no/such/folder/a.exr
@@ -46,6 +52,32 @@ expect 0 '' scene.json $single -o b.exr --size 20x10 --spp 4 --threads 3 --camer
 check [ "$(ls | tr '\n' ' ')" = 'a.error.exr a.exr b.error.exr b.exr scene.json ' ]
 check cmp a.exr b.exr
 check cmp a.error.exr b.error.exr
+
+# Points: what is wrong with a list, in which line.
+# refuse WORDS LINES: a list that is no good
+refuse() {
+    printf "$2" > list.csv
+    expect 3 "$1" scene.json $path -o a.csv --points list.csv
+}
+refuse 'list.csv: holds no points' '# none\nx,y,z,nx,ny,nz\n\n'
+refuse 'list.csv:2: column 2 (y) is not a number' 'x,y,z,nx,ny,nz\n1,two,3,0,1,0\n'
+refuse 'list.csv:1: column 6 (nz)' '1,2,3,0,1\n'
+refuse 'list.csv:1: column 3 (z)' '1,2,nan,0,1,0\n'
+refuse 'list.csv:1: the normal has length 2' '1,2,3,0,2,0\n'
+refuse 'list.csv:2: is a probe' '1,2,3,0,1,0\n1,2,3,0,0,0\n'
+check [ ! -e a.csv ]
+printf 'x,y,z,nx,ny,nz\n0,0,2,0,0,1\n0.6, 0,0, 1,0,0,extra\r\n' > list.csv
+expect 0 '' scene.json $path -o a.csv --points list.csv --spp 100 --threads 1 --stats stats.json
+expect 0 '' scene.json $path -o b.csv --points list.csv --spp 100 --threads 3
+check cmp a.csv b.csv
+check [ "$(wc -l < a.csv)" = 3 ]
+check grep -q '^0.6,0,0,1,0,0,' a.csv
+check grep -q cpu_seconds_per_point stats.json
+printf '0,0,2,0,0,0\n' > list.csv
+expect 0 '' scene.json $path -o a.csv --points list.csv --spp 2
+check [ "$(wc -l < a.csv)" = 10 ]
+expect 0 '' scene.json $path -o c.exr --size 20x10 --spp 4 --max-events 3 --min-events 1 --max-bounces 0
+rm list.csv a.csv b.csv stats.json c.exr c.error.exr
 
 # Stopped: exit code 130, the old picture stays, nothing else is left.
 for signal in INT TERM; do

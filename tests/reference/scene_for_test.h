@@ -10,6 +10,7 @@
 #include "sampling.h"
 
 typedef struct test_scene {
+    const al_mode *mode;
     al_import *import;
     void *state;
     void *scratch;
@@ -17,8 +18,8 @@ typedef struct test_scene {
 
 static inline void close_scene(test_scene *scene)
 {
-    al_mode_single_scatter.scratch_free(scene->scratch);
-    al_mode_single_scatter.close(scene->state);
+    scene->mode->scratch_free(scene->scratch);
+    scene->mode->close(scene->state);
     al_import_free(scene->import);
     *scene = (test_scene){0};
 }
@@ -44,16 +45,21 @@ static inline al_import *import_scene(const char *json)
     return import;
 }
 
-static inline test_scene open_scene(const char *json)
+static inline test_scene open_scene_for(const al_mode *mode, const al_mode_limits *limits, const char *json)
 {
-    test_scene scene = {.import = import_scene(json)};
+    test_scene scene = {.mode = mode, .import = import_scene(json)};
     al_error error = {0};
-    if (al_mode_single_scatter.open(scene.import, &scene.state, &error)) {
+    if (mode->open(scene.import, limits, &scene.state, &error)) {
         fprintf(stderr, "%s\n", error.message);
         exit(1);
     }
-    scene.scratch = al_mode_single_scatter.scratch_new();
+    scene.scratch = mode->scratch_new();
     return scene;
+}
+
+static inline test_scene open_scene(const char *json)
+{
+    return open_scene_for(&al_mode_single_scatter, &al_mode_unlimited, json);
 }
 
 static inline al_ray ray_along(double x, double y, double z, double dx, double dy, double dz)
@@ -67,7 +73,7 @@ static inline double estimate(const test_scene *scene, const al_ray *ray, uint32
                               double *error)
 {
     enum { BATCHES = 16 };
-    uint32_t dimensions = al_mode_single_scatter.dimensions(scene->state);
+    uint32_t dimensions = scene->mode->dimensions(scene->state);
     double *points = malloc(sizeof(double) * count * (dimensions + 1)), means[BATCHES], mean = 0, square = 0;
     for (uint32_t b = 0; b < BATCHES; b++) {
         al_random random = al_random_for(1234, b);
@@ -75,8 +81,8 @@ static inline double estimate(const test_scene *scene, const al_ray *ray, uint32
         means[b] = 0;
         for (uint32_t i = 0; i < count; i++) {
             double radiance[3];
-            if (!al_mode_single_scatter.radiance(scene->state, scene->scratch, ray,
-                                                 points + (size_t)i * dimensions, radiance))
+            if (!scene->mode->radiance(scene->state, scene->scratch, ray, points + (size_t)i * dimensions,
+                                       radiance))
                 exit(1);
             means[b] += radiance[channel] / count;
         }
