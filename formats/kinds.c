@@ -3,10 +3,8 @@
 #include <jansson.h>
 #include <string.h>
 
-static const al_kind_rules probes = {.kind = AL_KIND_PROBES, .name = "probes"};
-
 static const al_kind_rules *const kinds[] = {
-    &al_scene_rules, &al_translucent_rules, &al_impulse_tables_rules, &al_lightmap_rules, &probes, &al_medium_rules};
+    &al_scene_rules, &al_translucent_rules, &al_impulse_tables_rules, &al_lightmap_rules, &al_probes_rules, &al_medium_rules};
 
 const al_kind_rules *al_kind_find(al_kind kind)
 {

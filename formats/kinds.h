@@ -19,7 +19,7 @@ typedef struct al_kind_rules {
     void (*check)(const al_file *file, al_report *report); /* NULL: this version has no reader for the kind */
 } al_kind_rules;
 
-extern const al_kind_rules al_scene_rules, al_translucent_rules, al_impulse_tables_rules, al_lightmap_rules,
+extern const al_kind_rules al_scene_rules, al_translucent_rules, al_impulse_tables_rules, al_lightmap_rules, al_probes_rules,
     al_medium_rules;
 
 const al_kind_rules *al_kind_find(al_kind kind); /* NULL when there is no such kind */

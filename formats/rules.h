@@ -79,6 +79,10 @@
     RULE(AL_RULE_LIGHTMAP_RECTANGLE, 508, "an instance's rectangle and page uv lie in [0, 1]") \
     RULE(AL_RULE_LIGHTMAP_ORDER, 509, "instances ascend and share the triangles out, one after the other") \
     RULE(AL_RULE_LIGHTMAP_SCALE, 510, "a lightmap of floats has scales of 1") \
+    RULE(AL_RULE_PROBES_SIZE, 601, "an array of probes has the size its counts need") \
+    RULE(AL_RULE_PROBES_INDEX, 602, "a tetrahedron names probes that are there") \
+    RULE(AL_RULE_PROBES_VOLUME, 603, "a tetrahedron has a positive volume") \
+    RULE(AL_RULE_PROBES_NEIGHBOUR, 604, "neighbours share a face and name each other") \
     RULE(AL_RULE_MEDIUM_INDICES, 701, "a medium has one INDX chunk for each frame") \
     RULE(AL_RULE_MEDIUM_INDEX_SIZE, 702, "an INDX chunk has four bytes for each cell of bricks") \
     RULE(AL_RULE_MEDIUM_NUMBERS, 703, "a frame's bricks are numbered in the order of their cells") \

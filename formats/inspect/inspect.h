@@ -16,7 +16,7 @@ typedef struct inspected_kind {
     al_status (*draw)(const al_file *file, const char *png_path, al_error *error);
 } inspected_kind;
 
-extern const inspected_kind inspected_translucent, inspected_scene, inspected_impulse_tables, inspected_lightmap,
+extern const inspected_kind inspected_translucent, inspected_scene, inspected_impulse_tables, inspected_lightmap, inspected_probes,
     inspected_medium;
 
 /* Numbers as JSON; what is not finite becomes null. Decimals enough to tell every float apart. */

@@ -8,7 +8,7 @@
 #include "inspect.h"
 
 static const inspected_kind *const kinds[] = {&inspected_translucent, &inspected_scene,
-                                             &inspected_impulse_tables, &inspected_lightmap, &inspected_medium};
+                                             &inspected_impulse_tables, &inspected_lightmap, &inspected_probes, &inspected_medium};
 
 typedef struct request {
     bool check, json;

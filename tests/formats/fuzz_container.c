@@ -10,6 +10,7 @@
 #include "airlight/impulse_tables.h"
 #include "airlight/lightmap.h"
 #include "airlight/medium.h"
+#include "airlight/probes.h"
 #include "airlight/scene.h"
 #include "airlight/translucent.h"
 #include "forge.h"
@@ -122,6 +123,26 @@ static bool read_medium(const al_file *file)
     return true;
 }
 
+static bool read_probes(const al_file *file)
+{
+    al_probes probes;
+    al_probe_place place = {.tetrahedron = 7};
+    float sh[3][AL_PROBES_MAX_COUNT];
+    if (al_probes_read(file, &probes, NULL) != AL_OK) return false;
+    for (int i = 0; i < 8; i++) {
+        const float position[3] = {(float)(i & 1), 0.3f * (float)i, -0.7f};
+        float sum = 0;
+        al_probes_locate(&probes, position, &place);
+        al_probes_blend(&probes, &place, AL_LAYER_SCATTERED, sh);
+        for (int k = 0; k < 4; k++) {
+            REQUIRE(place.probes[k] < probes.info.probe_count && place.weights[k] >= 0);
+            sum += place.weights[k];
+        }
+        REQUIRE(fabsf(sum - 1) < 1e-5f);
+    }
+    return true;
+}
+
 /* Number of findings, and a hash of them, to compare two ways of checking. */
 static void count_finding(void *user, int rule, const char *message)
 {
@@ -145,6 +166,7 @@ static void try_bytes(const uint8_t *data, size_t size)
         bool read = kind == AL_KIND_SCENE            ? read_scene(file)
                     : kind == AL_KIND_LIGHTMAP       ? read_lightmap(file)
                     : kind == AL_KIND_IMPULSE_TABLES ? read_impulse(file)
+                    : kind == AL_KIND_PROBES         ? read_probes(file)
                     : kind == AL_KIND_MEDIUM         ? read_medium(file)
                                                      : read_translucent(file);
         REQUIRE(read || checked != AL_OK);

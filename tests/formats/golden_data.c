@@ -91,6 +91,21 @@ void golden_fill_lightmap(al_lightmap_format format, golden_lightmap *golden)
     golden->data.provenance_json = format == AL_LIGHTMAP_HALF ? "{\"key\":\"00112233aabbccdd\",\"samples\":64}" : NULL;
 }
 
+/* --- probes --- */
+
+void golden_fill_probes(al_probes_data *data)
+{
+    static const float positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1};
+    static const uint32_t tetrahedra[] = {0, 1, 2, 3, 1, 2, 3, 4};
+    static float coefficients[5 * AL_LAYER_COUNT * 3 * 4];
+    for (int i = 0; i < 5 * AL_LAYER_COUNT * 3 * 4; i++) {
+        int k = i % 4, channel = i / 4 % 3, layer = i / 12 % AL_LAYER_COUNT, probe = i / 36;
+        coefficients[i] = k ? -0.03125f * (float)k
+                            : 1 + 0.25f * (float)probe + 0.125f * (float)layer + 0.0625f * (float)channel;
+    }
+    *data = (al_probes_data){{5, 2, 2}, positions, tetrahedra, coefficients, "{\"key\":\"8899aabbccddeeff\"}"};
+}
+
 /* --- scene --- */
 
 static float quad_positions[] = {-1, 0, -1, -1, 0, 1, 1, 0, 1, 1, 0, -1};

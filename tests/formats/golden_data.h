@@ -6,6 +6,7 @@
 #include "airlight/impulse_tables.h"
 #include "airlight/lightmap.h"
 #include "airlight/medium.h"
+#include "airlight/probes.h"
 #include "airlight/scene.h"
 #include "airlight/translucent.h"
 
@@ -32,6 +33,9 @@ typedef struct golden_lightmap {
 /* float: one instance on a page of 3 x 2 texels, no SH. half: two instances on pages of 4 x 3 and 2 x 2
  * texels, SH of order 2. Each instance is a square metre that faces +y. */
 void golden_fill_lightmap(al_lightmap_format format, golden_lightmap *golden);
+
+/* Five probes of order 2 and the two tetrahedra between them; every pointer is to static memory. */
+void golden_fill_probes(al_probes_data *data);
 
 /* A translucent tetrahedron with a blocker over a textured quad; every pointer is to static memory. */
 void golden_fill_scene(al_scene *scene);

@@ -11,7 +11,8 @@
 static const char *const valid[] = {"translucent_float_1_0", "translucent_half_1_0", "translucent_byte_1_0",
                                     "scene_1_0",            "scene_lit_1_0",
                                     "impulse_tables_1_0",   "lightmap_float_1_0", "lightmap_half_1_0",
-                                    "medium_1_0"};
+                                    "medium_1_0",
+                                    "probes_1_0"};
 
 static forged load_golden(const char *name)
 {
@@ -91,6 +92,9 @@ static al_status read_whole(const char *name, forged f, al_error *error)
         al_impulse_tables_free(tables);
     } else if (al_file_kind(file) == AL_KIND_LIGHTMAP) {
         status = read_lightmap(file, error);
+    } else if (al_file_kind(file) == AL_KIND_PROBES) {
+        al_probes probes;
+        status = al_probes_read(file, &probes, error);
     } else if (al_file_kind(file) == AL_KIND_MEDIUM) {
         status = read_medium(file, error);
     } else {
@@ -247,6 +251,10 @@ static void test_same_bytes(const char *folder)
     golden_fill_medium(&medium);
     CHECK(al_medium_write(path, &medium, NULL, &error) == AL_OK);
     compare_bytes("medium_1_0", path);
+    al_probes_data probes;
+    golden_fill_probes(&probes);
+    CHECK(al_probes_write(path, &probes, NULL, &error) == AL_OK);
+    compare_bytes("probes_1_0", path);
     for (size_t i = 0; i < refusal_count; i++) {
         char name[256];
         refusal_file(&refusals[i], name, sizeof name);

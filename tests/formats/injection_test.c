@@ -164,6 +164,13 @@ static al_status write_medium(al_error *error)
     return al_medium_write(path, &medium, NULL, error);
 }
 
+static al_status write_probes(al_error *error)
+{
+    al_probes_data probes;
+    golden_fill_probes(&probes);
+    return al_probes_write(path, &probes, NULL, error);
+}
+
 static al_status read_medium(al_error *error)
 {
     al_file *file;
@@ -268,20 +275,22 @@ static void fail_every_call(const char *folder, const char *name, al_status (*wo
 
 int main(void)
 {
-    char folder[256], target[512], made[6][512];
+    char folder[256], target[512], made[7][512];
     if (!folder_make(folder, sizeof folder)) return test_skip("no temporary folder");
     static const char *const names[] = {"write translucent", "write scene", "write text", "write impulse",
-                                        "write lightmap", "write medium"};
+                                        "write lightmap", "write medium",
+                                        "write probes"};
     al_status (*const writers[])(al_error *) = {write_translucent, write_scene, write_text, write_impulse,
-                                                write_lightmap, write_medium};
-    for (int i = 0; i < 6; i++) { /* what success leaves, in another folder */
+                                                write_lightmap, write_medium,
+                                                write_probes};
+    for (int i = 0; i < 7; i++) { /* what success leaves, in another folder */
         snprintf(made[i], sizeof made[i], "%s.%d", folder, i);
         path = made[i];
         CHECK(writers[i](NULL) == AL_OK);
     }
     snprintf(target, sizeof target, "%s/file", folder);
     path = target;
-    for (int i = 0; i < 6; i++) fail_every_call(folder, names[i], writers[i], made[(i + 1) % 6], made[i]);
+    for (int i = 0; i < 7; i++) fail_every_call(folder, names[i], writers[i], made[(i + 1) % 7], made[i]);
     unlink(path);
     fail_every_call(folder, "read scene", read_scene, "", "");
     fail_every_call(folder, "read medium", read_medium, "", "");
@@ -290,7 +299,7 @@ int main(void)
     fail_every_call(folder, "check impulse", check_impulse, "", "");
     fail_every_call(folder, "check translucent", check_translucent, "", "");
     fail_every_call(folder, "check lightmap", check_lightmap, "", "");
-    for (int i = 0; i < 6; i++) unlink(made[i]);
+    for (int i = 0; i < 7; i++) unlink(made[i]);
     CHECK(rmdir(folder) == 0);
     return test_end();
 }

@@ -43,7 +43,7 @@ same() {
 
 cd "$golden" || exit 1
 
-for kind in translucent_byte scene scene_lit impulse_tables lightmap_half medium; do
+for kind in translucent_byte scene scene_lit impulse_tables lightmap_half medium probes; do
     run 0 ${kind}_1_0.air
     same $kind.txt
     run 0 --json ${kind}_1_0.air
@@ -96,6 +96,12 @@ run 0 lightmap_float_1_0.air --eval '{"position": [0.5, 0.25, 0.5], "normal": [0
 fails 2 'no lightmapped surface faces' lightmap_float_1_0.air --eval '{"position": [0, 0, 0], "normal": [0, -1, 0]}'
 fails 2 'the normal longer than 0' lightmap_float_1_0.air --eval '{"position": [0, 0, 0], "normal": [0, 0, 0]}'
 fails 2 '"normal" should be three finite numbers' lightmap_float_1_0.air --eval '{"position": [0, 0, 0]}'
+
+# The middle of the two tetrahedra's common face, moved half of the way to probe 4: weights 1/6, 1/6, 1/6, 1/2.
+run 0 probes_1_0.air --eval '{"position": [0.66666667, 0.66666667, 0.66666667]}'
+grep -q '"probes": \[1, 2, 3, 4\]' "$work/out" || wrong "answer: $(cat "$work/out")"
+grep -q '"weights": \[0.1666666[0-9]*, 0.1666666[0-9]*, 0.1666666[0-9]*, 0.5[0-9]*\]' "$work/out" || wrong "answer: $(cat "$work/out")"
+fails 2 'unknown key "normal"' probes_1_0.air --eval '{"position": [0, 0, 0], "normal": [0, 1, 0]}'
 
 # Files that are not there or no files; what cannot be written.
 fails 3 'absent.air' absent.air

@@ -43,6 +43,11 @@ static al_status write_valid(const char *folder, al_error *error)
     snprintf(path, sizeof path, "%s/impulse_tables_1_0.air", folder);
     status = al_impulse_tables_write(path, &impulse.data, NULL, error);
     if (status != AL_OK) return status;
+    al_probes_data probes;
+    golden_fill_probes(&probes);
+    snprintf(path, sizeof path, "%s/probes_1_0.air", folder);
+    status = al_probes_write(path, &probes, NULL, error);
+    if (status != AL_OK) return status;
     al_medium_data medium;
     golden_fill_medium(&medium);
     snprintf(path, sizeof path, "%s/medium_1_0.air", folder);

@@ -4,6 +4,7 @@
 #define HALF "translucent_half_1_0"
 #define FLOAT "translucent_float_1_0"
 #define SCENE "scene_1_0"
+#define PROBES "probes_1_0"
 #define LIT "scene_lit_1_0"
 #define MAP "lightmap_half_1_0"
 #define MAP_FLOAT "lightmap_float_1_0"
@@ -174,6 +175,19 @@ const refusal refusals[] = {
     {409, "table_twice", IMPULSE, SEAL_ALL, {CHUNK("TABL", 8, 32, 4, 0)}},
     {410, "event_missing", IMPULSE, SEAL_ALL, 
      {CHUNK("TABL", 1, 8, 4, 1), CHUNK("TABL", 1, 12, 4, 1), CHUNK("TABL", 1, 32, 4, 0x3f000000)}},
+    {130, "probes_info_too_short", PROBES, SEAL_ALL, {RESIZE("INFO", 0, 8), CHUNK("INFO", 0, 8, 4, 0)}},
+    {131, "probe_not_finite", PROBES, SEAL_ALL, {CHUNK("POSI", 0, 8, 4, NAN_BITS)}},
+    {131, "probe_light_not_finite", PROBES, SEAL_ALL, {CHUNK("COEF", 0, 8, 4, NAN_BITS)}},
+    {132, "no_probe", PROBES, SEAL_ALL, {CHUNK("INFO", 0, 0, 4, 0)}},
+    {601, "probe_light_missing", PROBES, SEAL_ALL, {CHUNK("INFO", 0, 8, 4, 3)}},
+    {602, "probe_outside", PROBES, SEAL_ALL, {CHUNK("TETR", 0, 28, 4, 5)}},
+    {603, "tetrahedron_inside_out", PROBES, SEAL_ALL,
+     {CHUNK("TETR", 0, 0, 4, 1), CHUNK("TETR", 0, 4, 4, 0), CHUNK("NEIG", 0, 0, 4, 0xffffffff),
+      CHUNK("NEIG", 0, 4, 4, 1)}},
+    {603, "tetrahedron_flat", PROBES, SEAL_ALL, {CHUNK("POSI", 0, 12, 4, 0)}},
+    {604, "neighbour_one_way", PROBES, SEAL_ALL, {CHUNK("NEIG", 0, 28, 4, 0xffffffff)}},
+    {604, "neighbour_of_other_face", PROBES, SEAL_ALL,
+     {CHUNK("NEIG", 0, 0, 4, 0xffffffff), CHUNK("NEIG", 0, 4, 4, 1)}},
 };
 
 const size_t refusal_count = sizeof refusals / sizeof *refusals;

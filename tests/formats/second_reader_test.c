@@ -328,11 +328,35 @@ static void check_medium(void)
     CHECK(size == 0);
 }
 
+/* probes: five probes of order 2, the face 1 2 3 between two tetrahedra. */
+static void check_probes(void)
+{
+    const source *s = load("probes_1_0.air");
+    size_t size, at = chunk(s, "INFO", 0, &size);
+    check_container(s, 5);
+    CHECK(size == 12 && number(s, at, 4) == 5 && number(s, at + 4, 4) == 2 && number(s, at + 8, 4) == 2);
+    at = chunk(s, "POSI", 0, &size);
+    CHECK(size == 60 && real(s, at + 12) == 1 && real(s, at + 48) == 1);
+    at = chunk(s, "TETR", 0, &size);
+    CHECK(size == 32 && number(s, at, 4) == 0 && number(s, at + 16, 4) == 1 && number(s, at + 28, 4) == 4);
+    at = chunk(s, "NEIG", 0, &size);
+    for (size_t i = 0; i < 8; i++)
+        CHECK(number(s, at + 4 * i, 4) == (i == 0 ? 1 : i == 7 ? 0 : 0xffffffff));
+    CHECK(size == 32);
+    at = chunk(s, "COEF", 0, &size);
+    CHECK(size == 5 * 3 * 3 * 4 * 4);
+    for (size_t i = 0; i < 180; i += 4) {
+        CHECK(real(s, at + 4 * i) == 1 + 0.25 * (double)(i / 36) + 0.125 * (double)(i / 12 % 3) + 0.0625 * (double)(i / 4 % 3));
+        CHECK(real(s, at + 4 * i + 12) == -0.09375);
+    }
+}
+
 int main(void)
 {
     check_impulse_tables();
     check_lightmap();
     check_medium();
+    check_probes();
     check_translucent();
     check_half();
     check_scene();
