@@ -283,23 +283,42 @@ cleanup:
     return status;
 }
 
-static exr_result_t encode_header(exr_context_t context, const al_image *image)
+/* Channels stand in alphabetical order in the file. */
+static exr_result_t add_channels(exr_context_t context, int part, const al_image_channels *image)
+{
+    exr_result_t code = EXR_ERR_SUCCESS;
+    const char *last = "";
+    for (uint32_t i = 0; !code && i < image->count; i++) {
+        const char *next = NULL;
+        for (uint32_t k = 0; k < image->count; k++)
+            if (strcmp(image->names[k], last) > 0 && (!next || strcmp(image->names[k], next) < 0))
+                next = image->names[k];
+        if (!next) return EXR_ERR_INVALID_ARGUMENT; /* a name stands twice */
+        code = exr_add_channel(context, part, next, EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
+        last = next;
+    }
+    return code;
+}
+
+static exr_result_t encode_header(exr_context_t context, const al_image_channels *image)
 {
     int part;
     exr_result_t code = exr_add_part(context, "image", EXR_STORAGE_SCANLINE, &part);
     if (!code)
         code = exr_initialize_required_attr_simple(context, part, (int32_t)image->width,
                                                    (int32_t)image->height, EXR_COMPRESSION_ZIP);
-    /* Channels stand in alphabetical order in the file. */
-    const char *names = image->channels == 1 ? "Y" : "BGR";
-    for (uint32_t i = 0; !code && i < image->channels; i++) {
-        const char name[2] = {names[i], 0};
-        code = exr_add_channel(context, part, name, EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
-    }
+    if (!code) code = add_channels(context, part, image);
     return code ? code : exr_write_header(context);
 }
 
-static exr_result_t encode_pixels(exr_context_t context, const al_image *image,
+static uint32_t name_slot(const al_image_channels *image, const char *name)
+{
+    uint32_t slot = 0;
+    while (slot + 1 < image->count && strcmp(image->names[slot], name)) slot++;
+    return slot;
+}
+
+static exr_result_t encode_pixels(exr_context_t context, const al_image_channels *image,
                                   exr_encode_pipeline_t *pipeline)
 {
     int32_t lines;
@@ -311,15 +330,14 @@ static exr_result_t encode_pixels(exr_context_t context, const al_image *image,
         code = y == 0 ? exr_encoding_initialize(context, 0, &chunk, pipeline)
                       : exr_encoding_update(context, 0, &chunk, pipeline);
         if (code) break;
-        const float *corner = image->pixels + (size_t)y * image->width * image->channels;
+        const float *corner = image->pixels + (size_t)y * image->width * image->count;
         for (int i = 0; i < pipeline->channel_count; i++) {
             exr_coding_channel_info_t *channel = &pipeline->channels[i];
-            int slot = channel_slot(channel->channel_name, image->channels);
-            channel->encode_from_ptr = (const uint8_t *)(corner + slot);
+            channel->encode_from_ptr = (const uint8_t *)(corner + name_slot(image, channel->channel_name));
             channel->user_data_type = EXR_PIXEL_FLOAT;
             channel->user_bytes_per_element = sizeof(float);
-            channel->user_pixel_stride = (int32_t)(image->channels * sizeof(float));
-            channel->user_line_stride = (int32_t)(image->width * image->channels * sizeof(float));
+            channel->user_pixel_stride = (int32_t)(image->count * sizeof(float));
+            channel->user_line_stride = (int32_t)(image->width * image->count * sizeof(float));
         }
         if (y == 0) code = exr_encoding_choose_default_routines(context, 0, pipeline);
         if (!code) code = exr_encoding_run(context, 0, pipeline);
@@ -333,11 +351,11 @@ static bool is_writable_size(uint32_t width, uint32_t height)
            (uint64_t)width * height <= PIXEL_LIMIT;
 }
 
-al_status al_image_write_exr(const char *path, const al_image *image, al_error *error)
+al_status al_image_write_exr_channels(const char *path, const al_image_channels *image, al_error *error)
 {
-    if (!is_writable_size(image->width, image->height) || (image->channels != 1 && image->channels != 3))
+    if (!is_writable_size(image->width, image->height) || !image->count)
         return al_fail(error, AL_USAGE, "%s: cannot write %u x %u pixels of %u channels", path, image->width,
-                       image->height, image->channels);
+                       image->height, image->count);
     memory_stream stream = {.path = path, .error = error};
     exr_context_t context = NULL;
     exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
@@ -363,23 +381,49 @@ al_status al_image_write_exr(const char *path, const al_image *image, al_error *
     return status;
 }
 
-al_status al_image_write_png(const char *path, uint32_t width, uint32_t height, uint32_t channels,
-                             const uint8_t *pixels, al_error *error)
+al_status al_image_write_exr(const char *path, const al_image *image, al_error *error)
 {
+    static const char *const grey[] = {"Y"}, *const rgb[] = {"R", "G", "B"};
+    const al_image_channels all = {image->width, image->height, image->channels,
+                                   image->channels == 1 ? grey : rgb, image->pixels};
+    if (image->channels != 1 && image->channels != 3)
+        return al_fail(error, AL_USAGE, "%s: cannot write %u x %u pixels of %u channels", path, image->width,
+                       image->height, image->channels);
+    return al_image_write_exr_channels(path, &all, error);
+}
+
+al_status al_image_encode_png(const char *path, uint32_t width, uint32_t height, uint32_t channels,
+                              const uint8_t *pixels, void **bytes, size_t *size, al_error *error)
+{
+    *bytes = NULL;
+    *size = 0;
     if (!is_writable_size(width, height) || (channels != 1 && channels != 3 && channels != 4))
         return al_fail(error, AL_USAGE, "%s: cannot write %u x %u pixels of %u channels", path, width, height,
                        channels);
     png_image png = {.version = PNG_IMAGE_VERSION, .width = width, .height = height};
     png.format = channels == 1 ? PNG_FORMAT_GRAY : channels == 3 ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
-    png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
-    void *bytes = malloc(size);
-    if (!bytes) return al_fail(error, AL_IO, "%s: out of memory for %u x %u pixels", path, width, height);
-    al_status status;
-    if (png_image_write_to_memory(&png, bytes, &size, 0, pixels, 0, NULL))
-        status = al_write_file(path, bytes, size, error);
-    else
+    png_alloc_size_t room = PNG_IMAGE_PNG_SIZE_MAX(png);
+    *bytes = malloc(room);
+    if (!*bytes) return al_fail(error, AL_IO, "%s: out of memory for %u x %u pixels", path, width, height);
+    al_status status = AL_OK;
+    if (png_image_write_to_memory(&png, *bytes, &room, 0, pixels, 0, NULL)) {
+        *size = room;
+    } else {
         status = al_fail(error, AL_IO, "%s: cannot encode PNG: %s", path, png.message);
+        free(*bytes);
+        *bytes = NULL;
+    }
     png_image_free(&png);
+    return status;
+}
+
+al_status al_image_write_png(const char *path, uint32_t width, uint32_t height, uint32_t channels,
+                             const uint8_t *pixels, al_error *error)
+{
+    void *bytes;
+    size_t size;
+    al_status status = al_image_encode_png(path, width, height, channels, pixels, &bytes, &size, error);
+    if (status == AL_OK) status = al_write_file(path, bytes, size, error);
     free(bytes);
     return status;
 }

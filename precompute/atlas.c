@@ -79,6 +79,21 @@ static double diagonal_m(const al_scene *scene)
     return sqrt(square);
 }
 
+static double texel_m(const al_import *import)
+{
+    const al_lightmap_settings *settings = &import->description->lightmap;
+    return settings->texel_m > 0 ? settings->texel_m : diagonal_m(&import->scene) / settings->texels_across;
+}
+
+double al_atlas_texels(const al_import *import)
+{
+    double area = 0, edge = texel_m(import);
+    for (uint32_t i = 0; i < import->scene.instance_count; i++)
+        if (is_lightmapped(&import->scene.instances[i]))
+            area += area_in_space(&import->scene, &import->scene.instances[i]);
+    return edge > 0 ? area / (edge * edge) : 0;
+}
+
 /* --- the second UV set of one mesh --- */
 
 typedef struct mesh_use {    /* of one mesh by the lightmapped instances */
@@ -108,10 +123,10 @@ static double uv1_area(const al_mesh *mesh)
 }
 
 /* A square of texels in which the mean triangle has its size; checked for the smallest instance. */
-static al_status use_file_uv(const al_mesh *mesh, double texel_m, uint32_t page_size, mesh_use *use,
+static al_status use_file_uv(const al_mesh *mesh, double wanted_m, uint32_t page_size, mesh_use *use,
                              bool *coarse, al_error *error)
 {
-    double area = uv1_area(mesh), edge = area > 0 ? ceil(sqrt(use->area / area) / texel_m) : 1;
+    double area = uv1_area(mesh), edge = area > 0 ? ceil(sqrt(use->area / area) / wanted_m) : 1;
     *coarse = edge > page_size;
     use->width = use->height = edge < 1 ? 1 : *coarse ? page_size : (uint32_t)edge;
     uint32_t smallest = (uint32_t)ceil(use->width * least_ratio(use));
@@ -197,11 +212,11 @@ cleanup:
 
 /* Texels grow until all charts fit the page. */
 static al_status make_own_uv(al_scene *scene, uint32_t index, const al_lightmap_settings *settings,
-                             double texel_m, mesh_use *use, bool *coarse, al_error *error)
+                             double wanted_m, mesh_use *use, bool *coarse, al_error *error)
 {
     al_mesh *mesh = &scene->meshes[index];
     uint32_t padding = (uint32_t)ceil(settings->padding_texels / least_ratio(use));
-    double world[16], edge_m = fmax(texel_m, sqrt(use->area) / settings->page_size);
+    double world[16], edge_m = fmax(wanted_m, sqrt(use->area) / settings->page_size);
     al_edges edges;
     al_status status = al_edges_make(mesh, &edges, error);
     if (status != AL_OK) return status;
@@ -221,7 +236,7 @@ static al_status make_own_uv(al_scene *scene, uint32_t index, const al_lightmap_
                 al_fail(error, AL_BAD_INPUT,
                         "mesh \"%s\": %u charts do not fit a page of %u texels; a larger page_size is right",
                         mesh->name, charts.count, settings->page_size);
-        *coarse = edge_m > texel_m;
+        *coarse = edge_m > wanted_m;
         edge_m *= 1.1;
         free(rectangles);
         al_charts_free(&charts);
@@ -328,8 +343,7 @@ al_status al_atlas_make(al_import *import, al_atlas *atlas, al_error *error)
 {
     const al_lightmap_settings *settings = &import->description->lightmap;
     al_scene *scene = &import->scene;
-    *atlas = (al_atlas){.texel_m = settings->texel_m};
-    if (!(atlas->texel_m > 0)) atlas->texel_m = diagonal_m(scene) / settings->texels_across;
+    *atlas = (al_atlas){.texel_m = texel_m(import)};
     mesh_use *uses = calloc(scene->mesh_count + (size_t)1, sizeof *uses);
     al_status status = uses ? AL_OK : al_fail(error, AL_IO, "out of memory for %u meshes", scene->mesh_count);
     for (uint32_t m = 0; uses && m < scene->mesh_count; m++) uses[m].largest = AL_NO_INDEX;

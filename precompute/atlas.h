@@ -23,6 +23,9 @@ typedef struct al_atlas {
 /* True when any instance is lit by a lightmap. */
 bool al_atlas_needed(const al_scene *scene);
 
+/* Texels that the lightmapped surfaces will fill, from their area. */
+double al_atlas_texels(const al_import *import);
+
 /* Lays the atlas out as description->lightmap says. Where a mesh has no second UV set that serves, and the
  * settings allow it, its uv1 becomes our own, its vertices split where charts part; indices keep their order.
  * Instances of one mesh share its uv1; smaller ones get fewer texels, but not below a quarter of the largest

@@ -10,8 +10,10 @@
 
 #include "airlight/program.h"
 #include "airlight/translucent.h"
+#include "bake_lightmap.h"
 #include "bake_medium.h"
 #include "bake_object.h"
+#include "glb.h"
 #include "report.h"
 
 typedef struct arguments {
@@ -29,6 +31,8 @@ typedef struct bake {
     al_report report;
     unsigned device_numbers[8], device_count;
     al_device *devices[8]; /* opened when first needed */
+    al_atlas atlas;
+    uint64_t lightmap_key; /* 0 without a lightmap */
 } bake;
 
 static al_status read_quality(const char *text, al_quality *quality, al_error *error)
@@ -173,29 +177,97 @@ static al_status bake_fogs(bake *b, al_error *error)
     return status;
 }
 
-/* Of everything scene.air is made from: the scene file and all it names. */
-static uint64_t scene_key(const al_import *import)
+/* Of everything scene.air is made from: the scene file and all it names, and the lightmap's second UV sets. */
+static uint64_t scene_key(const bake *b)
 {
     uint64_t key = XXH64(AIRLIGHT_VERSION, sizeof AIRLIGHT_VERSION, 0);
-    for (uint32_t i = 0; i < import->input_count; i++)
-        key = XXH64(&import->inputs[i].xxh64, sizeof(uint64_t), key);
-    return key;
+    for (uint32_t i = 0; i < b->import->input_count; i++)
+        key = XXH64(&b->import->inputs[i].xxh64, sizeof(uint64_t), key);
+    return b->lightmap_key ? XXH64(&b->lightmap_key, sizeof b->lightmap_key, key) : key;
+}
+
+static bool is_fresh(const bake *b, const char *file, al_kind kind, uint64_t key)
+{
+    char path[1400];
+    uint64_t present;
+    snprintf(path, sizeof path, "%s/%s", b->arguments->folder, file);
+    return asset_key(path, kind, &present) && present == key;
+}
+
+static al_status lay_atlas(bake *b, al_error *error)
+{
+    double started = al_program_seconds();
+    al_status status = al_atlas_make(b->import, &b->atlas, error);
+    if (status != AL_OK) return status;
+    b->report.light.steps[b->report.light.count++] =
+        (al_step){"atlas", al_program_seconds() - started, 0, b->atlas.instance_count};
+    if (b->atlas.coarse_count)
+        al_program_say(b->program,
+                       "%u meshes do not fit a lightmap page of %u texels and got larger ones than %.3g m; a "
+                       "larger page_size or texel_m would do",
+                       b->atlas.coarse_count, b->import->description->lightmap.page_size, b->atlas.texel_m);
+    return AL_OK;
+}
+
+/* Impulse tables in the folder, where the lightmap's rays need them. */
+static al_status open_tables(bake *b, al_file **file, al_impulse_tables **tables, al_error *error)
+{
+    char path[1400];
+    al_open_options options = {.kind = AL_KIND_IMPULSE_TABLES};
+    *file = NULL;
+    *tables = NULL;
+    if (!b->import->scene.fog_count || b->import->description->lightmap.walls != AL_WALLS_PUBLISHED) return AL_OK;
+    snprintf(path, sizeof path, "%s/impulse-tables.air", b->arguments->folder);
+    al_status status = al_file_open(path, &options, file, error);
+    return status == AL_OK ? al_impulse_tables_read(*file, tables, error) : status;
+}
+
+/* The atlas is laid out whenever scene.air, which holds the second UV sets, or the lightmap is to be made. */
+static al_status bake_lightmap(bake *b, al_error *error)
+{
+    al_bake_options options = {.program = b->program,
+                               .folder = b->arguments->folder,
+                               .threads = (unsigned)b->arguments->threads};
+    const char *name = b->import->scene.baked.lightmap;
+    al_file *file = NULL;
+    al_impulse_tables *tables = NULL;
+    if (!al_atlas_needed(&b->import->scene)) return AL_OK;
+    al_status status = open_tables(b, &file, &tables, error);
+    uint64_t tables_key = file ? al_file_chunk(file, 0)->checksum : 0;
+    if (status == AL_OK) status = al_bake_lightmap_key(b->import, tables_key, &b->lightmap_key, error);
+    bool fresh = status == AL_OK && is_fresh(b, name, AL_KIND_LIGHTMAP, b->lightmap_key);
+    if (status == AL_OK && !(fresh && is_fresh(b, "scene.air", AL_KIND_SCENE, scene_key(b))))
+        status = lay_atlas(b, error);
+    if (status == AL_OK && !fresh)
+        status = al_bake_lightmap(b->import, &b->atlas, b->lightmap_key, tables, &options, &b->report.light, error);
+    if (status == AL_OK)
+        al_program_say(b->program, fresh ? "%s/%s is up to date" : "wrote %s/%s", b->arguments->folder, name);
+    al_impulse_tables_free(tables);
+    al_file_close(file);
+    return status;
 }
 
 static al_status write_scene(bake *b, al_error *error)
 {
     double started = al_program_seconds();
     char path[1400], provenance[64];
-    uint64_t bytes = 0, key = scene_key(b->import), present;
+    uint64_t bytes = 0, glb_bytes = 0, key = scene_key(b);
     snprintf(path, sizeof path, "%s/scene.air", b->arguments->folder);
-    if (asset_key(path, AL_KIND_SCENE, &present) && present == key) {
+    if (is_fresh(b, "scene.air", AL_KIND_SCENE, key)) {
         al_program_say(b->program, "%s is up to date", path);
         return AL_OK;
     }
+    al_status status = AL_OK;
+    if (b->lightmap_key) {
+        char glb_path[1400];
+        snprintf(glb_path, sizeof glb_path, "%s/scene.glb", b->arguments->folder);
+        status = al_glb_write(glb_path, &b->import->scene, &glb_bytes, error);
+        if (status != AL_OK) return status;
+    }
     snprintf(provenance, sizeof provenance, "{\"key\":\"%016llx\"}", (unsigned long long)key);
-    al_status status = al_scene_write(path, &b->import->scene, provenance, &bytes, error);
+    status = al_scene_write(path, &b->import->scene, provenance, &bytes, error);
     b->report.steps.steps[b->report.steps.count++] =
-        (al_step){"scene", al_program_seconds() - started, bytes, b->import->scene.instance_count};
+        (al_step){"scene", al_program_seconds() - started, bytes + glb_bytes, b->import->scene.instance_count};
     return status;
 }
 
@@ -213,6 +285,12 @@ static al_status name_assets(bake *b, al_error *error)
         al_bake_medium_file(b->import, i, file, sizeof file);
         b->import->scene.fogs[i].asset = al_scene_text(&b->import->scene, file);
         if (!b->import->scene.fogs[i].asset) return al_fail(error, AL_IO, "out of memory");
+    }
+    if (al_atlas_needed(&b->import->scene)) {
+        char file[160];
+        al_bake_lightmap_file(b->import, file, sizeof file);
+        b->import->scene.baked.lightmap = al_scene_text(&b->import->scene, file);
+        if (!b->import->scene.baked.lightmap) return al_fail(error, AL_IO, "out of memory");
     }
     return AL_OK;
 }
@@ -249,6 +327,7 @@ static al_status bake_scene(bake *b, const char *scene, al_quality quality, al_e
     if (status == AL_OK) status = name_assets(b, error);
     if (status == AL_OK) status = in_scene(scene, bake_objects(b, error), error);
     if (status == AL_OK) status = in_scene(scene, bake_fogs(b, error), error);
+    if (status == AL_OK) status = in_scene(scene, bake_lightmap(b, error), error);
     if (status == AL_OK) status = write_scene(b, error);
     if (status == AL_OK) status = al_report_write(b->arguments->folder, &b->report, error);
     return status;
@@ -301,6 +380,7 @@ int main(int argc, char **argv)
     }
     for (int i = 0; i < 8; i++) al_device_close(b.devices[i]);
     free(b.report.objects);
+    al_atlas_free(&b.atlas);
     al_import_free(b.import);
     return status == AL_OK ? 0 : al_program_fail(&program, &error);
 }

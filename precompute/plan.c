@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "atlas.h"
 #include "bake_medium.h"
 
 /* Measured on two cores of a 2020s server with PoCL (docs/performance.md): seconds per unit of work. */
@@ -9,10 +10,34 @@ static const double seconds_per_voxel_direction = 4e-9;
 static const double seconds_per_sample_direction = 5e-7;
 static const double seconds_per_sample = 3e-4;
 
+/* On one core, room of docs/methods.md; a path is one sample of a texel. */
+static const double seconds_per_path_segment = 1.5e-6;
+
 static void add(al_plan *plan, const char *step, bool needed, const char *why, double seconds, double bytes)
 {
     plan->steps[plan->count++] =
         (al_plan_step){step, needed, why, needed ? seconds : 0, needed ? (uint64_t)bytes : 0};
+}
+
+static void add_lightmap(const al_import *import, al_plan *plan)
+{
+    const al_lightmap_settings *s = &import->description->lightmap;
+    bool any = al_atlas_needed(&import->scene), directional = any && s->directional_order > 0;
+    double texels = any ? al_atlas_texels(import) : 0,
+           bands = (double)s->directional_order * s->directional_order;
+    const char *none = "no mesh is lit by a lightmap";
+    add(plan, "atlas", any, any ? "each texel of a lightmap belongs to one place of the surfaces" : none,
+        texels * 1e-6, texels * 120);
+    add(plan, "lightmap", any,
+        any ? "meshes with \"lighting\": \"lightmap\" keep all their light in it" : none,
+        texels * s->samples * (s->bounces + 1.0) * seconds_per_path_segment, texels * (9 + 9 * bands) * 8);
+    add(plan, "directional lightmap", directional,
+        directional ? "directional_order asks for incident radiance at each texel, for normal maps"
+        : any       ? "directional_order is 0: irradiance alone is kept"
+                    : none,
+        0, texels * 9 * bands * 8);
+    add(plan, "seams", any, any ? "where charts part, both sides should show the same light" : none,
+        texels * 1e-6, texels * 40);
 }
 
 void al_plan_make(const al_import *import, al_plan *plan)
@@ -66,4 +91,5 @@ void al_plan_make(const al_import *import, al_plan *plan)
         scene->environment.width > 0 ? "the scene has an environment light"
                                      : "the scene has no environment light",
         0.1, 12.0 * scene->environment.width * scene->environment.height);
+    add_lightmap(import, plan);
 }

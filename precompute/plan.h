@@ -4,7 +4,7 @@
 
 #include "import.h"
 
-enum { AL_PLAN_LIMIT = 16 };
+enum { AL_PLAN_LIMIT = 32 };
 
 typedef struct al_plan_step {
     const char *step;

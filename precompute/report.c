@@ -58,6 +58,7 @@ al_status al_report_write(const char *folder, const al_report *report, al_error 
     json_t *steps = json_array(), *inputs = json_array(), *assets = json_array();
     char path[1200], hash[17];
     append_steps(steps, &report->steps, NULL);
+    append_steps(steps, &report->light, NULL);
     for (uint32_t i = 0; i < scene->translucent_count; i++)
         append_steps(steps, &report->objects[i], scene->translucents[i].name);
     for (uint32_t i = 0; i < report->import->input_count; i++) {
@@ -73,6 +74,8 @@ al_status al_report_write(const char *folder, const al_report *report, al_error 
         for (uint32_t k = 0; k < i; k++) before = before || scene->fogs[k].medium == scene->fogs[i].medium;
         if (!before) append_asset(assets, folder, scene->fogs[i].asset, al_kind_name(AL_KIND_MEDIUM));
     }
+    if (*scene->baked.lightmap)
+        append_asset(assets, folder, scene->baked.lightmap, al_kind_name(AL_KIND_LIGHTMAP));
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
     json_t *root =

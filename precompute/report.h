@@ -9,6 +9,7 @@ typedef struct al_report {
     const al_import *import;
     const al_plan *plan;
     al_steps steps;     /* import and scene */
+    al_steps light;     /* of the lightmap; none when it was up to date */
     al_steps *objects;  /* [translucent_count]; an object that was up to date has none */
     const char *device; /* "" when none was needed */
 } al_report;

@@ -1,0 +1,137 @@
+#!/bin/sh
+# Lightmaps as a job: the same bytes for any threads and interruption, nothing done twice, wrong input refused.
+# usage: bake_test.sh FOLDER_OF_PROGRAMS
+set -u
+bin=$1
+. "$(dirname "$0")/../programs/expect.sh"
+
+# scene LIGHTMAP_SETTINGS MORE: a ball and a block, half in the floor, over it.
+scene() {
+    cat <<SCENE
+{
+  "meshes": [
+    {"name": "floor", "shape": {"type": "plane", "width_m": 4, "depth_m": 4}, "lighting": "lightmap", "material": "grey"},
+    {"name": "ball", "shape": {"type": "sphere", "radius_m": 0.5, "subdivisions": 3}, "lighting": "lightmap",
+     "material": "red", "transform": {"translate_m": [0.5, 0.5, 0]}},
+    {"name": "block", "shape": {"type": "box", "size_m": [0.5, 1, 0.5]}, "lighting": "lightmap", "material": "grey",
+     "transform": {"translate_m": [-1, 0.2, 0.5]}}
+  ],
+  "materials": [{"name": "red", "base_color": [0.8, 0.2, 0.1]}, {"name": "grey", "base_color": 0.6}],
+  "lights": [{"name": "lamp", "type": "point", "position_m": [1, 2, 1.5], "intensity_w_sr": 5}],
+  "environment": {"radiance_w_m2_sr": [0.1, 0.15, 0.2]},
+  "lightmap": {"texel_m": 0.1, "samples": 64, "bounces": 2, "directional_order": 2$1}$2
+}
+SCENE
+}
+scene "" "" >"$work/room.json"
+
+bake() {
+    to=$1
+    shift
+    "$bin/airlight-bake" "$work/room.json" -o "$work/$to" "$@"
+}
+same() {
+    for file in room.lightmap.air scene.air lightmap_0.exr scene.glb; do
+        cmp "$work/plain/$file" "$work/$1/$file" || wrong "$file of $1 differs"
+    done
+}
+
+started=$(date +%s%N)
+run 0 bake plain
+whole_ms=$((($(date +%s%N) - started) / 1000000))
+for asset in room.lightmap.air scene.air; do run 0 "$bin/airlight-inspect" --check "$work/plain/$asset"; done
+run 0 bake one --threads 1 && same one
+run 0 bake three --threads 3 && same three
+
+# The floor below the lamp: what it sends there, cos / distance^2 from 2 m above, and a sky of 0.1 that the ball hides
+# a part of: between them without and with all of the sky, and what the ball sends back.
+run 0 "$bin/airlight-inspect" "$work/plain/room.lightmap.air" --eval '{"position": [1, 0, 1.5], "normal": [0, 1, 0]}'
+awk -F'[][,]' '{ exit !($2 > 5 / 4 && $2 < 5 / 4 + 3.1416 * 0.1 * 1.1) }' "$work/stdout" || wrong "light below the lamp: $(cat "$work/stdout")"
+
+# The floor inside the block sees its back: replaced, not black.
+run 0 "$bin/airlight-inspect" --json "$work/plain/room.lightmap.air"
+awk -F'[: ,]+' '/"texels_replaced"/ { exit !($3 >= 9) }' "$work/stdout" || wrong "no texels under the block are replaced"
+
+# A second run does nothing.
+files() { find "$work/plain" -type f ! -name report.json -exec ls -i {} + | sort; }
+before=$(files)
+run 0 bake plain
+grep -q "room.lightmap.air is up to date" "$work/stderr" || wrong "does not say that the lightmap is up to date"
+[ "$before" = "$(files)" ] || wrong "files were written again"
+[ "$(grep -c '"bytes_written"' "$work/plain/report.json")" = 1 ] || wrong "the report of an idle run lists steps"
+
+# What is gone is made again, and only that.
+rm "$work/plain/scene.air"
+run 0 bake plain
+grep -q "room.lightmap.air is up to date" "$work/stderr" || wrong "the lightmap is baked again for a missing scene.air"
+cmp "$work/one/scene.air" "$work/plain/scene.air" || wrong "another scene.air"
+
+# Stopped and killed, again and again: in the end the same bytes.
+mkdir "$work/cut"
+rounds=0
+interrupted=0
+share=40
+signal=TERM
+while [ ! -f "$work/cut/scene.air" ] && [ $rounds -lt 60 ]; do
+    rounds=$((rounds + 1))
+    "$bin/airlight-bake" "$work/room.json" -o "$work/cut" --quiet --threads 1 2>"$work/stderr" &
+    pid=$!
+    sleep "$(awk -v ms=$whole_ms -v share=$share 'BEGIN { print ms * share / 100000 }')"
+    kill -$signal $pid 2>/dev/null
+    code=0
+    wait $pid || code=$?
+    case $code in
+    0)
+        if [ $interrupted = 0 ]; then
+            rm -rf "$work/cut"
+            mkdir "$work/cut"
+            share=$((share * 3 / 4 + 1))
+        fi
+        ;;
+    130) interrupted=$((interrupted + 1)) ;;
+    137) interrupted=$((interrupted + 1)) ;;
+    143) share=$((share + 5)) ;; # before the program had begun
+    *) wrong "interrupted bake ends with $code: $(cat "$work/stderr")" ;;
+    esac
+    if [ $signal = TERM ]; then signal=KILL; else signal=TERM; fi
+    share=$((share + 3))
+done
+[ $interrupted -gt 0 ] || wrong "no bake was interrupted"
+[ -f "$work/cut/scene.air" ] || run 0 bake cut
+same cut
+[ ! -e "$work/cut/room.lightmap.air.partial" ] || wrong "unfinished work is left behind"
+echo "$interrupted interruptions"
+
+# refused WORDS SETTINGS MORE
+refused() {
+    scene "$2" "$3" >"$work/wrong.json"
+    fails 3 "$1" "$bin/airlight-bake" "$work/wrong.json" -o "$work/wrong"
+    [ ! -e "$work/wrong/wrong.lightmap.air" ] || wrong "a lightmap was written: $1"
+}
+refused 'wrong.json: mesh "floor" has no second UV set, which "uv": "file" asks for' ', "uv": "file"' ""
+sed 's/"position_m": \[1, 2, 1.5\]/"position_m": [0.5, 0.5, 0]/' "$work/room.json" >"$work/inside.json"
+fails 3 'light "lamp" at (0.5, 0.5, 0) stands inside walls' "$bin/airlight-bake" "$work/inside.json" -o "$work/wrong"
+printf 'v 0 3 0\nv 1 3 0\nv 2 3 0\nf 1 2 3\n' >"$work/line.obj"
+sed -e 's/"meshes": \[/"meshes": [{"name": "line", "file": "line.obj", "material": "hot"},/' \
+    -e 's/"materials": \[/"materials": [{"name": "hot", "emission_w_m2_sr": 5},/' "$work/room.json" >"$work/flat.json"
+fails 3 'has no area and cannot emit as its material "hot" says' "$bin/airlight-bake" "$work/flat.json" -o "$work/wrong"
+rm -rf "$work/wrong"
+
+# The plan says that it is needed, and for a scene without that it is not.
+run 0 "$bin/airlight-bake" "$work/room.json" --plan
+grep -A1 '"lightmap"' "$work/stdout" | grep -q '"needed": true' || wrong "the plan has no lightmap"
+sed 's/"lighting": "lightmap"/"lighting": "dynamic"/' "$work/room.json" >"$work/without.json"
+run 0 "$bin/airlight-bake" "$work/without.json" --plan
+grep -A1 '"lightmap"' "$work/stdout" | grep -q '"needed": false' || wrong "the plan has a lightmap for nothing"
+run 0 "$bin/airlight-bake" "$work/without.json" -o "$work/without"
+[ ! -e "$work/without/scene.glb" ] && [ ! -e "$work/without/without.lightmap.air" ] || wrong "a lightmap for nothing"
+
+# A full disk: one line, code 4, no half asset.
+if [ "$(id -u)" = 0 ] && mkdir "$work/full" && mount -t tmpfs -o size=300k tmpfs "$work/full" 2>/dev/null; then
+    mounted="$work/full"
+    fails 4 "$work/full" "$bin/airlight-bake" "$work/room.json" -o "$work/full" --quiet
+    [ ! -e "$work/full/room.lightmap.air" ] || wrong "a lightmap on a full disk"
+else
+    echo "SKIP: a full disk needs a small mount, and that needs root"
+fi
+finish
