@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "airlight/formulas.h"
+#include "fog_points.h"
 #include "gather_path.h"
 
 /* --- what all points share --- */
@@ -13,6 +14,8 @@ static al_status open_parts(al_gather *gather, const al_import *import, al_error
     al_status status = al_ray_scene_create(import, AL_RAY_SCENE_STILL, &gather->rays, error);
     if (!status) status = al_gather_lights_create(import, gather->rays, &gather->lights, error);
     if (!status && gather->options.fog) status = al_fog_media_create(import, &gather->fog, error);
+    bool bounded = gather->options.walls != AL_WALLS_PUBLISHED;
+    if (!status && bounded && gather->fog.scatters) status = al_fog_points_create(gather, error);
     return status;
 }
 
@@ -24,6 +27,7 @@ al_status al_gather_open(const al_import *import, const al_impulse_tables *table
     if (!made) return al_fail(error, AL_IO, "out of memory for the light gathering");
     made->options = *options;
     made->tables = tables;
+    made->path = import->description->path;
     al_status status = open_parts(made, import, error);
     if (status)
         al_gather_close(made);
@@ -35,6 +39,7 @@ al_status al_gather_open(const al_import *import, const al_impulse_tables *table
 void al_gather_close(al_gather *gather)
 {
     if (!gather) return;
+    al_fog_points_free(gather->points);
     al_fog_media_free(&gather->fog);
     al_gather_lights_free(&gather->lights);
     al_ray_scene_free(gather->rays);
@@ -109,13 +114,14 @@ static bool add_path(summing *s, al_sequence *sequence, double weight)
     al_gather_draw(s->gather, &s->vertex, u, way.ray.direction, &way.density_per_sr);
     if (!(way.density_per_sr > 0)) return true;
     al_gather_origin(&s->vertex, way.ray.direction, way.ray.origin);
-    if (!al_gather_follow(s->gather, s->scratch, &s->vertex, s->gather->options.bounces, 1, sequence, &way))
+    double share = weight / way.density_per_sr, carried[3] = {share, share, share};
+    if (!al_gather_follow(s->gather, s->scratch, s->gather->options.bounces, carried, 1, sequence, &way))
         return false;
-    double share = weight / way.density_per_sr;
     for (int c = 0; c < 3; c++) {
         plain[c] = share * way.sent[AL_GATHER_SURFACE][c];
         through[c] = share * way.transmittance[c] * way.sent[AL_GATHER_ATTENUATED][c];
-        scattered[c] = share * way.transmittance[c] * way.sent[AL_GATHER_TOTAL][c] - through[c];
+        scattered[c] = share * way.transmittance[c] * way.sent[AL_GATHER_TOTAL][c] - through[c] +
+                       share * way.scattered[c];
     }
     fill_basis(s, way.ray.direction, basis);
     add(s, AL_GATHER_SURFACE, way.ray.direction, basis, plain);

@@ -81,24 +81,20 @@ static bool sample_emitter(const al_gather_lights *lights, const double position
                            al_light_sample *sample)
 {
     al_surface_hit point;
-    double square = 0, back[3];
-    if (!al_emitters_count(lights->emitters)) return false;
-    double density_per_m2 = al_emitters_sample(lights->emitters, u, &point);
-    *sample = (al_light_sample){.kind = AL_LIGHT_KIND_EMITTER};
+    double density_per_m2 = al_emitters_sample(lights->emitters, u, &point), towards[3];
+    *sample = (al_light_sample){
+        .kind = AL_LIGHT_KIND_EMITTER, .distance_m = 1, .double_sided = point.material->double_sided};
+    if (!(density_per_m2 > 0)) return false;
     for (int k = 0; k < 3; k++) {
-        sample->direction[k] = point.position[k] - position[k];
-        square += sample->direction[k] * sample->direction[k];
+        towards[k] = position[k] - point.position[k];
+        sample->normal[k] = point.normal[k];
+        sample->power[k] = point.emission_w_m2_sr[k] / density_per_m2;
     }
-    if (!(square > 0 && density_per_m2 > 0)) return false;
-    for (int k = 0; k < 3; k++) back[k] = -(sample->direction[k] /= sqrt(square));
-    sample->cos_normal = dot(point.normal, back);
-    if (point.material->double_sided) sample->cos_normal = fabs(sample->cos_normal);
-    for (int k = 0; k < 3; k++) sample->power[k] = point.emission_w_m2_sr[k] / density_per_m2;
-    sample->distance_m = sqrt(square);
-    sample->facing = fmax(0, sample->cos_normal) / square;
+    al_surface_offset(&point, towards, sample->target);
+    if (!al_gather_light_move(sample, position)) return false;
+    double square = sample->distance_m * sample->distance_m;
     sample->density_per_sr = sample->cos_normal > 0 ? density_per_m2 * square / sample->cos_normal : INFINITY;
-    al_surface_offset(&point, back, sample->target);
-    return isfinite(sample->facing);
+    return true;
 }
 
 double al_gather_emitter_density(const al_gather_lights *lights, const al_ray *ray, const al_surface_hit *hit)
@@ -129,6 +125,26 @@ double al_gather_sky_density(const al_gather_lights *lights, const double direct
 }
 
 /* --- any --- */
+
+bool al_gather_light_move(al_light_sample *sample, const double position[3])
+{
+    double square = 0, cosine = 0;
+    if (isinf(sample->distance_m)) return true;
+    for (int k = 0; k < 3; k++) {
+        sample->direction[k] = sample->target[k] - position[k];
+        square += sample->direction[k] * sample->direction[k];
+    }
+    sample->distance_m = sqrt(square);
+    if (!(square > 0)) return false;
+    for (int k = 0; k < 3; k++) {
+        sample->direction[k] /= sample->distance_m;
+        cosine -= sample->normal[k] * sample->direction[k];
+    }
+    if (sample->kind == AL_LIGHT_KIND_EMITTER)
+        sample->cos_normal = sample->double_sided ? fabs(cosine) : cosine;
+    sample->facing = fmax(0, sample->cos_normal) / square;
+    return isfinite(sample->facing);
+}
 
 bool al_gather_light_sample(const al_gather_lights *lights, al_light_kind kind, const double position[3],
                             const double *normal, al_sequence *sequence, al_light_sample *sample)

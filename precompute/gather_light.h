@@ -34,8 +34,10 @@ typedef struct al_light_sample {
     /* What shines, over the probability of drawing it: intensity, W/sr (emitters: along their normal), or
      * irradiance facing it, W/m2. */
     double power[3];
-    double facing;         /* irradiance facing the light is power times this: 1/d2, cos_normal/d2 or 1 */
-    double cos_normal;     /* emitters: their normal . direction to the point; 1 */
+    double facing;     /* irradiance facing the light is power times this: 1/d2, cos_normal/d2 or 1 */
+    double cos_normal; /* emitters: their normal . direction to the point; 1 */
+    double normal[3];  /* of emitters */
+    bool double_sided;
     double density_per_sr; /* of drawing the direction; 0 for lamps, which no ray meets */
 } al_light_sample;
 
@@ -46,6 +48,9 @@ bool al_gather_light_sample(const al_gather_lights *lights, al_light_kind kind, 
 /* The lamp alone, with certainty. False where the point is on it. */
 bool al_gather_lamp(const al_gather_lights *lights, uint32_t lamp, const double position[3],
                     al_light_sample *sample);
+/* The same light, drawn already, as another point meets it; density_per_sr is none of that point's. False
+ * where the point is on it. */
+bool al_gather_light_move(al_light_sample *sample, const double position[3]);
 /* density_per_sr of a hit emitter, or of a direction of the sky whose radiance is given out. */
 double al_gather_emitter_density(const al_gather_lights *lights, const al_ray *ray,
                                  const al_surface_hit *hit);

@@ -11,6 +11,7 @@
 #include <math.h>
 
 #include "airlight/formulas.h"
+#include "gather_scatter.h"
 
 /* After so many reflections a path may end by chance, the more likely the less it carries. */
 static const double roulette_importance = 0.25;
@@ -101,55 +102,55 @@ static void add_lights(const al_gather *gather, al_gather_scratch *scratch, cons
 
 /* --- paths --- */
 
-/* Estimates the irradiance of a vertex by one path. */
+/* Estimates the irradiance of a vertex by one path. `carried`: of irradiance. */
 static bool estimate(const al_gather *gather, al_gather_scratch *scratch, const al_gather_vertex *vertex,
-                     uint32_t bounces, double importance, al_sequence *sequence, al_gather_layers irradiance)
+                     uint32_t bounces, const double carried[3], double importance, al_sequence *sequence,
+                     al_gather_layers irradiance)
 {
-    double u[2];
+    double u[2], ahead[3];
     al_gather_way way;
     add_lights(gather, scratch, vertex, sequence, irradiance);
     al_sequence_pair(sequence, u);
     al_gather_draw(gather, vertex, u, way.ray.direction, &way.density_per_sr);
     if (!(way.density_per_sr > 0)) return true;
     al_gather_origin(vertex, way.ray.direction, way.ray.origin);
-    if (!al_gather_follow(gather, scratch, vertex, bounces, importance, sequence, &way)) return false;
+    for (int c = 0; c < 3; c++) ahead[c] = AL_PI * carried[c]; /* cosine over density */
+    if (!al_gather_follow(gather, scratch, bounces, ahead, importance, sequence, &way)) return false;
     for (int c = 0; c < 3; c++) {
+        double through = AL_PI * way.transmittance[c];
         irradiance[AL_GATHER_SURFACE][c] += AL_PI * way.sent[AL_GATHER_SURFACE][c];
-        irradiance[AL_GATHER_ATTENUATED][c] +=
-            AL_PI * way.transmittance[c] * way.sent[AL_GATHER_ATTENUATED][c];
-        irradiance[AL_GATHER_TOTAL][c] += AL_PI * way.transmittance[c] * way.sent[AL_GATHER_TOTAL][c];
+        irradiance[AL_GATHER_ATTENUATED][c] += through * way.sent[AL_GATHER_ATTENUATED][c];
+        irradiance[AL_GATHER_TOTAL][c] += through * way.sent[AL_GATHER_TOTAL][c] + AL_PI * way.scattered[c];
     }
     return true;
-}
-
-static void add_sent(const double radiance[3], double share, al_gather_layers sent)
-{
-    for (int layer = 0; layer < AL_GATHER_LAYER_COUNT; layer++)
-        for (int c = 0; c < 3; c++) sent[layer][c] += share * radiance[c];
 }
 
 /* Emission of the far end, weighted against finding it as a light. */
 static void add_emission(const al_gather *gather, al_gather_way *way)
 {
-    double radiance[3], other;
+    double other;
     if (way->met) {
-        for (int c = 0; c < 3; c++) radiance[c] = way->hit.emission_w_m2_sr[c];
-        if (!(radiance[0] + radiance[1] + radiance[2] > 0)) return;
+        for (int c = 0; c < 3; c++) way->emitted[c] = way->hit.emission_w_m2_sr[c];
+        if (!(way->emitted[0] + way->emitted[1] + way->emitted[2] > 0)) return;
         other = al_gather_emitter_density(&gather->lights, &way->ray, &way->hit);
     } else {
-        other = al_gather_sky_density(&gather->lights, way->ray.direction, radiance);
+        other = al_gather_sky_density(&gather->lights, way->ray.direction, way->emitted);
     }
-    add_sent(radiance, way->density_per_sr / (way->density_per_sr + other), way->sent);
+    for (int c = 0; c < 3; c++) {
+        way->emitted[c] *= way->density_per_sr / (way->density_per_sr + other);
+        for (int layer = 0; layer < AL_GATHER_LAYER_COUNT; layer++) way->sent[layer][c] += way->emitted[c];
+    }
 }
 
-/* What the far end reflects. */
+/* What the far end reflects. `carried` is of the radiance it sends. */
 static bool add_reflection(const al_gather *gather, al_gather_scratch *scratch, uint32_t bounces,
-                           double importance, al_sequence *sequence, al_gather_way *way)
+                           const double carried[3], double importance, al_sequence *sequence,
+                           al_gather_way *way)
 {
     const al_surface_hit *hit = &way->hit;
     al_gather_vertex vertex = {.offset_m = hit->offset_m};
     al_gather_layers irradiance = {{0}};
-    double survival = 1, u[2];
+    double survival = 1, u[2], reflected[3], ahead[3];
     importance *= fmax(fmax(hit->albedo[0], hit->albedo[1]), hit->albedo[2]);
     if (!(importance > 0)) return true;
     if (importance < roulette_importance) {
@@ -160,25 +161,44 @@ static bool add_reflection(const al_gather *gather, al_gather_scratch *scratch, 
     for (int k = 0; k < 3; k++) {
         vertex.position[k] = hit->position[k];
         vertex.normal[k] = hit->front ? hit->normal[k] : -hit->normal[k];
+        reflected[k] = hit->albedo[k] / (AL_PI * survival);
+        ahead[k] = carried[k] * reflected[k];
     }
-    if (!estimate(gather, scratch, &vertex, bounces - 1, importance / survival, sequence, irradiance))
+    if (!estimate(gather, scratch, &vertex, bounces - 1, ahead, importance / survival, sequence, irradiance))
         return false;
     for (int layer = 0; layer < AL_GATHER_LAYER_COUNT; layer++)
-        for (int c = 0; c < 3; c++)
-            way->sent[layer][c] += hit->albedo[c] / (AL_PI * survival) * irradiance[layer][c];
+        for (int c = 0; c < 3; c++) way->sent[layer][c] += reflected[c] * irradiance[layer][c];
     return true;
 }
 
-bool al_gather_follow(const al_gather *gather, al_gather_scratch *scratch, const al_gather_vertex *vertex,
-                      uint32_t bounces, double importance, al_sequence *sequence, al_gather_way *way)
+/* Transmittance of the way, and light that fog scatters into it. */
+static bool pass_fog(const al_gather *gather, al_gather_scratch *scratch, const double carried[3],
+                     al_sequence *sequence, al_gather_way *way)
 {
-    (void)vertex;
-    for (int layer = 0; layer < AL_GATHER_LAYER_COUNT; layer++)
-        for (int c = 0; c < 3; c++) way->sent[layer][c] = 0;
-    way->met = al_ray_scene_hit(gather->rays, &way->ray, INFINITY, &way->hit);
     double length_m = way->met ? way->hit.distance_m : INFINITY;
-    al_fog_transmittance(&gather->fog, &way->ray, length_m, way->transmittance);
+    if (!gather->points) {
+        al_fog_transmittance(&gather->fog, &way->ray, length_m, way->transmittance);
+        return true;
+    }
+    if (!al_fog_along(&gather->fog, &way->ray, length_m, &scratch->fog)) return false;
+    way->transmittance[0] = exp(-scratch->fog.depth[0]);
+    for (int c = 1; c < 3; c++)
+        way->transmittance[c] = gather->fog.grey ? way->transmittance[0] : exp(-scratch->fog.depth[c]);
+    return al_gather_scatter(gather, scratch, carried, sequence, way);
+}
+
+bool al_gather_follow(const al_gather *gather, al_gather_scratch *scratch, uint32_t bounces,
+                      const double carried[3], double importance, al_sequence *sequence, al_gather_way *way)
+{
+    double ahead[3];
+    for (int c = 0; c < 3; c++) {
+        way->scattered[c] = way->emitted[c] = 0;
+        for (int layer = 0; layer < AL_GATHER_LAYER_COUNT; layer++) way->sent[layer][c] = 0;
+    }
+    way->met = al_ray_scene_hit(gather->rays, &way->ray, INFINITY, &way->hit);
+    if (!pass_fog(gather, scratch, carried, sequence, way)) return false;
     add_emission(gather, way);
     if (!way->met || !bounces) return true;
-    return add_reflection(gather, scratch, bounces, importance, sequence, way);
+    for (int c = 0; c < 3; c++) ahead[c] = carried[c] * way->transmittance[c];
+    return add_reflection(gather, scratch, bounces, ahead, importance, sequence, way);
 }

@@ -11,13 +11,16 @@ typedef struct al_gather_way {
     bool met;              /* a surface ends it */
     al_surface_hit hit;
     double transmittance[3];
+    double scattered[3];   /* radiance that arrives from the fog on the way */
+    double emitted[3];     /* by the far end, its share against being found as a light */
     al_gather_layers sent; /* radiance that leaves the far end along the ray: of surface or sky */
 } al_gather_way;
 
 /* Fills the way from its ray and density. `bounces`: diffuse reflections that may follow, the one at its end
- * included; `importance`: what the light is going to be multiplied with, at most, for Russian roulette. */
-bool al_gather_follow(const al_gather *gather, al_gather_scratch *scratch, const al_gather_vertex *vertex,
-                      uint32_t bounces, double importance, al_sequence *sequence, al_gather_way *way);
+ * included. `carried`: what arriving radiance is multiplied with on its way to the path's first point;
+ * `importance`: the share that surfaces leave of it, for Russian roulette. */
+bool al_gather_follow(const al_gather *gather, al_gather_scratch *scratch, uint32_t bounces,
+                      const double carried[3], double importance, al_sequence *sequence, al_gather_way *way);
 
 /* The light of one kind that reaches a vertex straight. */
 typedef struct al_gather_straight {
@@ -27,7 +30,7 @@ typedef struct al_gather_straight {
 } al_gather_straight;
 
 /* Draws a light and looks whether it is there. `density_per_sr` is the vertex' own of a direction. False when
- * nothing arrives; `failed` without memory. */
+ * nothing arrives. */
 bool al_gather_look(const al_gather *gather, al_gather_scratch *scratch, const al_gather_vertex *vertex,
                     al_light_kind kind, al_sequence *sequence, al_gather_straight *straight);
 

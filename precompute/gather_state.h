@@ -6,16 +6,21 @@
 #include "gather_fog.h"
 #include "gather_light.h"
 
+typedef struct al_fog_points al_fog_points; /* fog_points.h */
+
 struct al_gather {
     al_gather_options options;
+    const char *path; /* of the scene, for messages */
     al_ray_scene *rays;
     al_gather_lights lights;
     al_fog_media fog; /* empty without fog */
     const al_impulse_tables *tables;
+    al_fog_points *points; /* bounded and traced walls, where fog scatters */
 };
 
 struct al_gather_scratch {
     al_fog_path fog;
+    struct al_fog_records *record; /* not NULL while fog points are made */
 };
 
 /* A point that light arrives at. */

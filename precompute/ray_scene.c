@@ -547,3 +547,9 @@ double al_ray_scene_offset_m(const al_ray_scene *scene)
 {
     return offset_scale * scene->radius_m;
 }
+
+void al_ray_scene_bounds(const al_ray_scene *scene, double low[3], double high[3])
+{
+    memcpy(low, scene->low, sizeof scene->low);
+    memcpy(high, scene->high, sizeof scene->high);
+}

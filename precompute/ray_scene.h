@@ -78,5 +78,7 @@ void al_ray_scene_point(const al_ray_scene *scene, uint32_t instance, uint32_t t
 void al_surface_offset(const al_surface_hit *hit, const double direction[3], double origin[3]);
 /* The same offset for a point on a surface that is not known: enough for any of the scene. */
 double al_ray_scene_offset_m(const al_ray_scene *scene);
+/* The box around all surfaces, boundaries of translucent objects included; a point when there are none. */
+void al_ray_scene_bounds(const al_ray_scene *scene, double low[3], double high[3]);
 
 #endif

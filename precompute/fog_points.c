@@ -1,0 +1,642 @@
+/* L(x, w), the radiance that arrives at a point x of the fog, obeys
+ *
+ *   L(x, w) = T Lo(y, -w) + integral over [0, s] of T sigma_s J(x + t w, w) dt,   J = integral of p L,
+ *
+ * y where the ray meets a surface. Each point traces paths over surfaces (Lo) once; wherever such a path
+ * crosses fog it takes one place at random and records what J there would count. With J interpolated between
+ * the points, L is linear in itself, and Jacobi's iteration adds one order of scattering each time. Weights
+ * are positive and add up to at most what absorption leaves, so that it converges as the light does.
+ *
+ * L is kept as spherical harmonics. A Henyey-Greenstein phase function takes band l times g^l, so that bands
+ * are kept until |g|^l is below 1/50, at most ORDER_LIMIT: isotropic fog keeps one number a channel.
+ *
+ * Points that see many backs of surfaces are inside something and left out. Between the points values are
+ * trilinear over those of the eight corners that are seen from the middle of an eighth of the cell: light
+ * does not leak through walls. What comes straight from lamps is not in L; their transmittance is kept beside
+ * it. */
+#include "fog_points.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "airlight/formulas.h"
+#include "airlight/sh.h"
+#include "gather_path.h"
+#include "parallel.h"
+
+enum {
+    POINTS_DEFAULT = 16,
+    SAMPLES_DEFAULT = 128,
+    ORDER_LIMIT = 6,
+    ITERATION_LIMIT = 256,
+    CORNERS = 8,
+    LOOK_COUNT = 32
+};
+static const double back_limit = 0.25;      /* of the sphere */
+static const double margin_share = 0.1;     /* of the scene's diagonal, around its box */
+static const double converged_share = 1e-3; /* of all light, still to come */
+static const double depth_limit = 4;        /* optical, from point to point */
+
+struct al_fog_points {
+    const al_gather *gather;
+    uint32_t size[3], count;
+    double low[3], spacing_m[3]; /* of the lattice's cells; points are in their middles */
+    uint32_t order, terms;       /* SH bands, numbers a channel */
+    uint32_t lamps;
+    bool *is_inside;      /* something solid: left out */
+    float *sh;            /* [point][channel][terms]; spread into left-out points at the end */
+    float *transmittance; /* [point][lamp][channel] */
+    uint8_t *seen;        /* [cell][eighth]: one bit a corner; cells from -1 to size-1 */
+};
+
+bool al_fog_record_push(al_fog_records *records, const al_fog_record *record)
+{
+    if (records->count == records->room) {
+        uint32_t wanted = records->room ? 2 * records->room : 256;
+        al_fog_record *grown = realloc(records->list, wanted * sizeof *grown);
+        if (!grown) return false;
+        records->list = grown;
+        records->room = wanted;
+    }
+    records->list[records->count++] = *record;
+    return true;
+}
+
+/* --- the lattice --- */
+
+static void fog_bounds(const al_fog_media *fog, double low[3], double high[3])
+{
+    for (int k = 0; k < 3; k++) low[k] = INFINITY, high[k] = -INFINITY;
+    for (uint32_t i = 0; i < fog->count; i++)
+        for (int k = 0; k < 3; k++) {
+            low[k] = fmin(low[k], fog->media[i].bounded ? fog->media[i].low[k] : -INFINITY);
+            high[k] = fmax(high[k], fog->media[i].bounded ? fog->media[i].high[k] : INFINITY);
+        }
+}
+
+static void place_lattice(al_fog_points *points)
+{
+    const al_gather *gather = points->gather;
+    double low[3], high[3], diagonal = 0, longest = 0, size[3];
+    al_ray_scene_bounds(gather->rays, points->low, high);
+    for (int k = 0; k < 3; k++) diagonal += (high[k] - points->low[k]) * (high[k] - points->low[k]);
+    double margin_m = margin_share * sqrt(diagonal), fog_high[3];
+    fog_bounds(&gather->fog, low, fog_high);
+    for (int k = 0; k < 3; k++) {
+        points->low[k] = fmax(low[k], points->low[k] - margin_m);
+        size[k] = fmin(fog_high[k], high[k] + margin_m) - points->low[k];
+        longest = fmax(longest, size[k]);
+    }
+    uint32_t wanted = gather->options.fog_points ? gather->options.fog_points : POINTS_DEFAULT;
+    points->count = 1;
+    for (int k = 0; k < 3; k++) {
+        if (!(size[k] > 0)) size[k] = longest > 0 ? 1e-3 * longest : 1; /* fog and scene apart, or flat */
+        points->size[k] = (uint32_t)fmax(1, ceil(wanted * fmin(1, size[k] / longest) - 1e-9));
+        points->spacing_m[k] = size[k] / points->size[k];
+        points->count *= points->size[k];
+    }
+}
+
+static uint32_t max_size(const al_fog_points *points)
+{
+    uint32_t largest = points->size[0];
+    for (int k = 1; k < 3; k++)
+        if (points->size[k] > largest) largest = points->size[k];
+    return largest;
+}
+
+static void place_point(const al_fog_points *points, uint32_t index, double position[3])
+{
+    for (int k = 0; k < 3; k++) {
+        position[k] = points->low[k] + (index % points->size[k] + 0.5) * points->spacing_m[k];
+        index /= points->size[k];
+    }
+}
+
+static uint32_t cell_count(const al_fog_points *points)
+{
+    return (points->size[0] + 1) * (points->size[1] + 1) * (points->size[2] + 1);
+}
+
+/* The corner of a cell; beyond the lattice its outermost points stand in. */
+static uint32_t corner_of(const al_fog_points *points, const int32_t cell[3], int corner)
+{
+    uint32_t index = 0;
+    for (int k = 2; k >= 0; k--) {
+        int32_t at = cell[k] + (corner >> k & 1), last = (int32_t)points->size[k] - 1;
+        index = index * points->size[k] + (uint32_t)(at < 0 ? 0 : at > last ? last : at);
+    }
+    return index;
+}
+
+typedef struct corners {
+    uint32_t index[CORNERS];
+    double weight[CORNERS];
+} corners;
+
+/* Keeps the corners of `mask` and makes their weights add up to 1. False when nothing is left. */
+static bool keep(corners *c, uint32_t mask)
+{
+    double sum = 0;
+    for (int i = 0; i < CORNERS; i++) sum += mask >> i & 1 ? c->weight[i] : 0;
+    if (!(sum > 1e-6)) return false;
+    for (int i = 0; i < CORNERS; i++) c->weight[i] = mask >> i & 1 ? c->weight[i] / sum : 0;
+    return true;
+}
+
+static corners corners_at(const al_fog_points *points, const double position[3])
+{
+    corners c;
+    double share[3];
+    int32_t cell[3];
+    uint32_t eighth = 0, number = 0, outside = 0;
+    for (int k = 2; k >= 0; k--) {
+        double at = (position[k] - points->low[k]) / points->spacing_m[k] - 0.5;
+        at = fmin(fmax(at, -0.5), points->size[k] - 0.5);
+        cell[k] = (int32_t)floor(at);
+        share[k] = at - cell[k];
+        eighth = eighth << 1 | (share[k] >= 0.5);
+        number = number * (points->size[k] + 1) + (uint32_t)(cell[k] + 1);
+    }
+    for (int i = 0; i < CORNERS; i++) {
+        c.index[i] = corner_of(points, cell, i);
+        c.weight[i] = 1;
+        for (int k = 0; k < 3; k++) c.weight[i] *= i >> k & 1 ? share[k] : 1 - share[k];
+        if (!points->is_inside[c.index[i]]) outside |= 1u << i;
+    }
+    if (!keep(&c, points->seen[number * CORNERS + eighth])) keep(&c, outside);
+    return c;
+}
+
+void al_fog_points_lamp(const al_fog_points *points, uint32_t lamp, const double position[3],
+                        double transmittance[3])
+{
+    corners c = corners_at(points, position);
+    transmittance[0] = transmittance[1] = transmittance[2] = 0;
+    for (int i = 0; i < CORNERS; i++) {
+        const float *t = points->transmittance + ((size_t)c.index[i] * points->lamps + lamp) * 3;
+        for (int k = 0; k < 3; k++) transmittance[k] += c.weight[i] * t[k];
+    }
+}
+
+/* Beyond the lattice light thins out as it does around a body of its size. */
+static double thinning(const al_fog_points *points, const double position[3])
+{
+    double away = 0, size = 0;
+    for (int k = 0; k < 3; k++) {
+        double edge = points->spacing_m[k] * points->size[k], in = position[k] - points->low[k];
+        double off = in < 0 ? -in : in > edge ? in - edge : 0;
+        away += off * off;
+        size += 0.25 * edge * edge;
+    }
+    double factor = away > 0 ? 1 / (1 + sqrt(away / size)) : 1;
+    return factor * factor;
+}
+
+/* The same as al_fog_points_scatter, from any set of coefficients. */
+static void scatter(const al_fog_points *points, const float *sh, const double position[3],
+                    const double direction[3], double g, double radiance[3])
+{
+    double basis[AL_SH_MAX_COUNT] = {0.28209479177387814};
+    corners c = corners_at(points, position);
+    if (points->order > 1) {
+        double band = 1;
+        al_sh_basis((int)points->order, direction[0], direction[1], direction[2], basis);
+        for (uint32_t l = 0; l < points->order; l++, band *= g)
+            for (uint32_t k = l * l; k < (l + 1) * (l + 1); k++) basis[k] *= band;
+    }
+    radiance[0] = radiance[1] = radiance[2] = 0;
+    for (int i = 0; i < CORNERS; i++) {
+        if (!(c.weight[i] > 0)) continue;
+        const float *from = sh + (size_t)c.index[i] * 3 * points->terms;
+        for (int channel = 0; channel < 3; channel++, from += points->terms) {
+            double sum = 0;
+            for (uint32_t k = 0; k < points->terms; k++) sum += basis[k] * from[k];
+            radiance[channel] += c.weight[i] * sum;
+        }
+    }
+    /* Few bands of a narrow lobe may swing below 0. */
+    double factor = thinning(points, position);
+    for (int k = 0; k < 3; k++) radiance[k] = factor * fmax(0, radiance[k]);
+}
+
+void al_fog_points_scatter(const al_fog_points *points, const double position[3], const double direction[3],
+                           double g, double radiance[3])
+{
+    scatter(points, points->sh, position, direction, g, radiance);
+}
+
+/* --- building --- */
+
+typedef struct building {
+    al_fog_points *points;
+    const al_gather *gather;
+    al_gather_scratch **scratches; /* [thread] */
+    al_fog_records *records;       /* [point] */
+    float *fixed, *straight,
+        *next;   /* [point][channel][terms]: without fog's own light; straight from lights */
+    bool *known; /* [point]: has a value of its own, or was given one */
+    uint32_t samples;
+    double done, total; /* pieces of work of all passes, about */
+    bool cancelled;
+} building;
+
+/* Counts a piece; only the caller's thread asks whether to stop. */
+static bool go_on(building *b, unsigned piece, unsigned count, unsigned thread)
+{
+    const al_gather_options *options = &b->gather->options;
+    if (thread || !options->on_progress || piece % 16) return true;
+    b->cancelled = options->on_progress(options->user, b->done + (double)piece / count, b->total);
+    return !b->cancelled;
+}
+
+/* Whether many directions meet the back of a one-sided surface. */
+static bool look_around(void *user, unsigned index, unsigned thread)
+{
+    building *b = user;
+    uint32_t backs = 0;
+    al_ray ray;
+    al_surface_hit hit;
+    place_point(b->points, index, ray.origin);
+    for (uint32_t i = 0; i < LOOK_COUNT; i++) {
+        al_direction_set(LOOK_COUNT, i, ray.direction);
+        if (al_ray_scene_hit(b->gather->rays, &ray, INFINITY, &hit))
+            backs += !hit.front && !hit.material->double_sided;
+    }
+    b->points->is_inside[index] = backs > back_limit * LOOK_COUNT;
+    return go_on(b, index, b->points->count, thread);
+}
+
+static bool look_at_lamps(void *user, unsigned index, unsigned thread)
+{
+    building *b = user;
+    al_fog_points *points = b->points;
+    al_ray ray;
+    place_point(points, index, ray.origin);
+    for (uint32_t lamp = 0; lamp < points->lamps; lamp++) {
+        float *out = points->transmittance + ((size_t)index * points->lamps + lamp) * 3;
+        al_light_sample light;
+        double transmittance[3] = {1, 1, 1};
+        if (al_gather_lamp(&b->gather->lights, lamp, ray.origin, &light)) {
+            for (int k = 0; k < 3; k++) ray.direction[k] = light.direction[k];
+            al_fog_transmittance(&b->gather->fog, &ray, light.distance_m, transmittance);
+            if (!al_gather_light_is_seen(&b->gather->lights, ray.origin, &light))
+                transmittance[0] = transmittance[1] = transmittance[2] = 0;
+        }
+        for (int k = 0; k < 3; k++) out[k] = (float)transmittance[k];
+    }
+    return go_on(b, index, points->count, thread);
+}
+
+static bool is_seen(const al_gather *gather, const double from[3], const double to[3])
+{
+    al_ray ray;
+    double square = 0;
+    for (int k = 0; k < 3; k++) {
+        ray.origin[k] = from[k];
+        ray.direction[k] = to[k] - from[k];
+        square += ray.direction[k] * ray.direction[k];
+    }
+    for (int k = 0; k < 3; k++) ray.direction[k] /= sqrt(square);
+    return !al_ray_scene_is_blocked(gather->rays, &ray, sqrt(square));
+}
+
+static bool look_at_corners(void *user, unsigned number, unsigned thread)
+{
+    building *b = user;
+    al_fog_points *points = b->points;
+    int32_t cell[3];
+    uint32_t rest = number;
+    for (int k = 0; k < 3; k++) {
+        cell[k] = (int32_t)(rest % (points->size[k] + 1)) - 1;
+        rest /= points->size[k] + 1;
+    }
+    for (int eighth = 0; eighth < CORNERS; eighth++) {
+        double middle[3], corner[3];
+        uint8_t mask = 0;
+        for (int k = 0; k < 3; k++)
+            middle[k] =
+                points->low[k] + (cell[k] + 0.5 + (eighth >> k & 1 ? 0.75 : 0.25)) * points->spacing_m[k];
+        for (int i = 0; i < CORNERS; i++) {
+            uint32_t index = corner_of(points, cell, i);
+            place_point(points, index, corner);
+            if (!points->is_inside[index] && is_seen(b->gather, middle, corner)) mask |= (uint8_t)(1 << i);
+        }
+        points->seen[(size_t)number * CORNERS + (size_t)eighth] = mask;
+    }
+    return go_on(b, number, cell_count(points), thread);
+}
+
+/* Adds radiance from a direction, times solid angle. */
+static void project(const al_fog_points *points, const double direction[3], const double power[3], float *sh)
+{
+    double basis[AL_SH_MAX_COUNT];
+    al_sh_basis((int)points->order, direction[0], direction[1], direction[2], basis);
+    for (int c = 0; c < 3; c++)
+        for (uint32_t k = 0; k < points->terms; k++)
+            sh[(uint32_t)c * points->terms + k] += (float)(basis[k] * power[c]);
+}
+
+static void add_lights(building *b, al_gather_scratch *scratch, const al_gather_vertex *vertex,
+                       al_sequence *sequence, float *straight)
+{
+    for (int kind = AL_LIGHT_KIND_EMITTER; kind < AL_LIGHT_KIND_COUNT; kind++) {
+        al_gather_straight found;
+        double power[3];
+        if (!al_gather_look(b->gather, scratch, vertex, (al_light_kind)kind, sequence, &found)) continue;
+        for (int c = 0; c < 3; c++)
+            power[c] =
+                found.share * found.light.power[c] * found.light.facing * found.transmittance[c] / b->samples;
+        project(b->points, found.light.direction, power, straight);
+    }
+}
+
+static bool trace_path(building *b, al_gather_scratch *scratch, const al_gather_vertex *vertex,
+                       uint32_t index, al_sequence *sequence)
+{
+    double u[2], straight[3], others[3], carried[3];
+    al_gather_way way;
+    al_sequence_pair(sequence, u);
+    al_gather_draw(b->gather, vertex, u, way.ray.direction, &way.density_per_sr);
+    al_gather_origin(vertex, way.ray.direction, way.ray.origin);
+    uint32_t before = b->records[index].count;
+    for (int c = 0; c < 3; c++) carried[c] = 1 / (way.density_per_sr * b->samples);
+    if (!al_gather_follow(b->gather, scratch, b->gather->options.bounces, carried, 1, sequence, &way))
+        return false;
+    for (uint32_t i = before; i < b->records[index].count; i++)
+        for (int k = 0; k < 3; k++) b->records[index].list[i].first[k] = (float)way.ray.direction[k];
+    for (int c = 0; c < 3; c++) {
+        straight[c] = carried[c] * way.transmittance[c] * way.emitted[c];
+        others[c] = carried[c] * (way.transmittance[c] * (way.sent[AL_GATHER_TOTAL][c] - way.emitted[c]) +
+                                  way.scattered[c]);
+    }
+    size_t at = (size_t)index * 3 * b->points->terms;
+    project(b->points, way.ray.direction, straight, b->straight + at);
+    project(b->points, way.ray.direction, others, b->fixed + at);
+    return true;
+}
+
+static bool trace_point(void *user, unsigned index, unsigned thread)
+{
+    building *b = user;
+    al_gather_scratch *scratch = b->scratches[thread];
+    al_gather_vertex vertex = {.in_air = true};
+    place_point(b->points, index, vertex.position);
+    scratch->record = &b->records[index];
+    for (uint32_t i = 0; i < b->samples && !b->points->is_inside[index]; i++) {
+        al_sequence sequence = {.index = i,
+                                .seed = al_mix_bits(index + ((uint64_t)b->gather->options.seed << 32))};
+        add_lights(b, scratch, &vertex, &sequence, b->straight + (size_t)index * 3 * b->points->terms);
+        if (!trace_path(b, scratch, &vertex, index, &sequence)) return false;
+    }
+    return go_on(b, index, b->points->count, thread);
+}
+
+/* One step of the iteration at one point. */
+static bool collect(void *user, unsigned index, unsigned thread)
+{
+    building *b = user;
+    size_t numbers = 3 * (size_t)b->points->terms, at = index * numbers;
+    const al_fog_records *records = &b->records[index];
+    for (size_t k = 0; k < numbers; k++) b->next[at + k] = b->fixed[at + k] + b->straight[at + k];
+    for (uint32_t i = 0; i < records->count && !b->points->is_inside[index]; i++) {
+        const al_fog_record *r = &records->list[i];
+        double position[3], direction[3], first[3], radiance[3];
+        for (int k = 0; k < 3; k++) {
+            position[k] = r->position[k];
+            direction[k] = r->direction[k];
+            first[k] = r->first[k];
+        }
+        scatter(b->points, b->points->sh, position, direction, r->g, radiance);
+        for (int k = 0; k < 3; k++) radiance[k] *= r->weight[k];
+        project(b->points, first, radiance, b->next + at);
+    }
+    return go_on(b, index, b->points->count, thread);
+}
+
+/* Fluence of all points that count in one channel, but for a factor. */
+static double all_light(const al_fog_points *points, const float *sh, size_t c)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < points->count; i++)
+        sum += points->is_inside[i] ? 0 : sh[(i * 3 + c) * points->terms];
+    return sum;
+}
+
+/* Change of a step in one channel, summed over all points that count. */
+static double all_change(const al_fog_points *points, const float *from, const float *to, size_t c)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < points->count; i++) {
+        size_t at = (i * 3 + c) * points->terms;
+        sum += points->is_inside[i] ? 0 : fabs((double)to[at] - from[at]);
+    }
+    return sum;
+}
+
+/* Puts F + f A L(n) in the place of F + A L(n), one channel. */
+static void rebalance(building *b, size_t c)
+{
+    const al_fog_points *points = b->points;
+    double fixed = all_light(points, b->fixed, c) + all_light(points, b->straight, c);
+    double light = all_light(points, points->sh, c), answer = all_light(points, b->next, c) - fixed;
+    if (!(light > answer)) return;
+    for (uint32_t i = 0; i < points->count; i++)
+        for (size_t k = 0; k < points->terms; k++) {
+            size_t at = (i * 3 + c) * points->terms + k;
+            double source = (double)b->fixed[at] + b->straight[at];
+            b->next[at] = (float)(source + fixed / (light - answer) * (b->next[at] - source));
+        }
+}
+
+/* With L(n+1) = F + A L(n), thick fog would take very many steps to fill. So each step is rebalanced as
+ * neutron transport is (whole-system rebalance, Lewis and Miller 1984): L(n+1) = F + f A L(n), f such that f
+ * L(n) as a whole would balance, f sum L = sum F + f sum A L. The fixed point stays the same. Changes fall
+ * like a geometric series: what is still to come is change * ratio / (1 - ratio). */
+static bool iterate(building *b)
+{
+    al_fog_points *points = b->points;
+    size_t numbers = 3 * (size_t)points->terms * points->count;
+    double before[3] = {INFINITY, INFINITY, INFINITY};
+    bool moving = true;
+    for (int i = 0; i < ITERATION_LIMIT && moving; i++) {
+        if (!al_parallel(b->gather->options.threads, points->count, collect, b)) return false;
+        moving = i < 2;
+        for (size_t c = 0; c < 3; c++) {
+            if (i > 0) rebalance(b, c);
+            double moved = all_change(points, points->sh, b->next, c), ratio = moved / before[c];
+            double to_come = ratio < 1 ? moved * ratio / (1 - ratio) : INFINITY;
+            moving = moving || (moved > 0 && to_come > converged_share * all_light(points, b->next, c));
+            before[c] = moved;
+        }
+        memcpy(points->sh, b->next, sizeof(float) * numbers);
+    }
+    if (b->gather->options.walls != AL_WALLS_TRACED) return true;
+    for (size_t k = 0; k < numbers; k++) points->sh[k] -= b->straight[k];
+    return true;
+}
+
+/* Left-out points take the mean of their neighbours that have a value, ring by ring. */
+static void spread(al_fog_points *points, bool *known)
+{
+    size_t numbers = 3 * (size_t)points->terms;
+    bool changed = true;
+    for (uint32_t i = 0; i < points->count; i++) known[i] = !points->is_inside[i];
+    while (changed) {
+        changed = false;
+        for (uint32_t i = 0; i < points->count; i++) {
+            uint32_t stride = 1, rest = i, neighbours = 0;
+            if (known[i]) continue;
+            memset(points->sh + i * numbers, 0, sizeof(float) * numbers);
+            for (int k = 0; k < 3; stride *= points->size[k], rest /= points->size[k], k++)
+                for (int side = -1; side <= 1; side += 2) {
+                    uint32_t at = rest % points->size[k];
+                    if (side < 0 ? at == 0 : at + 1 == points->size[k]) continue;
+                    uint32_t other = side < 0 ? i - stride : i + stride;
+                    if (!known[other]) continue;
+                    neighbours++;
+                    for (size_t n = 0; n < numbers; n++)
+                        points->sh[i * numbers + n] += points->sh[other * numbers + n];
+                }
+            for (size_t n = 0; n < numbers && neighbours; n++)
+                points->sh[i * numbers + n] /= (float)neighbours;
+            if (neighbours) changed = known[i] = true;
+        }
+    }
+}
+
+static void choose_order(al_fog_points *points)
+{
+    double band = points->gather->fog.g_limit;
+    points->order = 1;
+    for (; points->order < ORDER_LIMIT && band > 0.02; band *= points->gather->fog.g_limit) points->order++;
+    points->terms = points->order * points->order;
+}
+
+static bool allocate(building *b, unsigned threads)
+{
+    al_fog_points *points = b->points;
+    size_t numbers = 3 * (size_t)points->terms * points->count;
+    points->is_inside = calloc(points->count, sizeof *points->is_inside);
+    points->sh = calloc(numbers, sizeof *points->sh);
+    points->transmittance = calloc((size_t)points->count * points->lamps * 3 + 1, sizeof(float));
+    points->seen = calloc((size_t)cell_count(points) * CORNERS, 1);
+    b->records = calloc(points->count, sizeof *b->records);
+    b->fixed = calloc(numbers, sizeof(float));
+    b->straight = calloc(numbers, sizeof(float));
+    b->next = calloc(numbers, sizeof(float));
+    b->known = calloc(points->count, sizeof *b->known);
+    b->scratches = calloc(threads, sizeof *b->scratches);
+    bool done = points->is_inside && points->sh && points->transmittance && points->seen && b->records &&
+                b->fixed && b->straight && b->next && b->known && b->scratches;
+    for (unsigned i = 0; done && i < threads; i++)
+        done = (b->scratches[i] = al_gather_scratch_new(b->gather)) != NULL;
+    return done;
+}
+
+static void free_building(building *b, unsigned threads)
+{
+    for (uint32_t i = 0; b->records && i < b->points->count; i++) free(b->records[i].list);
+    for (unsigned i = 0; b->scratches && i < threads; i++) al_gather_scratch_free(b->scratches[i]);
+    free(b->records);
+    free(b->fixed);
+    free(b->straight);
+    free(b->next);
+    free(b->known);
+    free(b->scratches);
+}
+
+static bool pass(building *b, uint32_t count, al_piece_fn *work)
+{
+    bool done = al_parallel(b->gather->options.threads, count, work, b);
+    b->done++;
+    return done;
+}
+
+/* Finds the points in air; where there are none, all are taken for it. */
+static bool find_air(building *b)
+{
+    al_fog_points *points = b->points;
+    bool any = false;
+    if (!pass(b, points->count, look_around)) return false;
+    for (uint32_t i = 0; i < points->count; i++) any = any || !points->is_inside[i];
+    if (!any) memset(points->is_inside, 0, sizeof(bool) * points->count);
+    return true;
+}
+
+static bool build(building *b)
+{
+    al_fog_points *points = b->points;
+    if (!pass(b, cell_count(points), look_at_corners) || !pass(b, points->count, look_at_lamps) ||
+        !pass(b, points->count, trace_point) || !iterate(b))
+        return false;
+    spread(points, b->known);
+    return true;
+}
+
+/* Optical depth from point to point along the widest cells' edge, averaged over the points in air, in the
+ * densest channel. */
+static double mean_depth(const al_fog_points *points)
+{
+    double sums[3] = {0},
+           widest = fmax(fmax(points->spacing_m[0], points->spacing_m[1]), points->spacing_m[2]);
+    uint32_t counted = 0;
+    for (uint32_t i = 0; i < points->count; i++) {
+        al_ray ray = {.direction = {1, 0, 0}};
+        double transmittance[3];
+        if (points->is_inside[i]) continue;
+        counted++;
+        place_point(points, i, ray.origin);
+        ray.origin[0] -= 0.5 * points->spacing_m[0];
+        al_fog_transmittance(&points->gather->fog, &ray, points->spacing_m[0], transmittance);
+        for (int c = 0; c < 3; c++) sums[c] -= log(fmax(transmittance[c], 1e-300));
+    }
+    double largest = fmax(fmax(sums[0], sums[1]), sums[2]);
+    return counted ? largest / counted * widest / points->spacing_m[0] : 0;
+}
+
+/* Light that reaches no neighbour before it is scattered is not carried by the points: what they hold would
+ * be noise, without absorption of any size. */
+static al_status check_depth(const building *b, al_error *error)
+{
+    double depth = mean_depth(b->points);
+    if (depth <= depth_limit) return AL_OK;
+    return al_fail(
+        error, AL_BAD_INPUT,
+        "%s: lightmap.walls: the fog is too dense for %u points along the scene: %.3g mean free paths "
+        "from point to point; at most %g are right, or walls \"published\"",
+        b->gather->path, max_size(b->points), depth, depth_limit);
+}
+
+al_status al_fog_points_create(al_gather *gather, al_error *error)
+{
+    unsigned threads = al_parallel_threads(gather->options.threads);
+    al_fog_points *points = calloc(1, sizeof *points);
+    building b = {.points = points, .gather = gather, .total = 5};
+    if (!points) return al_fail(error, AL_IO, "out of memory for the light in the fog");
+    gather->points = points;
+    points->gather = gather;
+    points->lamps = gather->lights.scene->light_count;
+    b.samples = gather->options.fog_samples ? gather->options.fog_samples : SAMPLES_DEFAULT;
+    place_lattice(points);
+    choose_order(points);
+    bool done = allocate(&b, threads) && find_air(&b);
+    al_status status = done ? check_depth(&b, error) : AL_OK;
+    done = done && (status || build(&b));
+    free_building(&b, threads);
+    if (done) return status;
+    if (b.cancelled) return al_fail(error, AL_CANCELLED, "cancelled while spreading light in the fog");
+    return al_fail(error, AL_IO, "out of memory for the light in the fog: %u points of %u paths",
+                   points->count, b.samples);
+}
+
+void al_fog_points_free(al_fog_points *points)
+{
+    if (!points) return;
+    free(points->is_inside);
+    free(points->sh);
+    free(points->transmittance);
+    free(points->seen);
+    free(points);
+}

@@ -1,0 +1,239 @@
+/* The last scattering event before the origin o of a ray lies on the ray, inside its free length s:
+ *
+ *   S(o, w) = integral over t in [0, s] of T(t) sigma_s(t) J(x(t), w) dt,
+ *   J(x, w) = integral of p(w . w') L(x, w') dw',
+ *
+ * L(x, w') what arrives at x from w'. So whatever a wall hides is hidden, and without absorption light is
+ * neither lost nor gained. The integral is estimated by one distance t, drawn in proportion to T sigma_t. L
+ * is split by where it comes from:
+ *   - straight from a lamp (point, sun): L = lamp's irradiance times its transmittance; a point's is sharp,
+ * so that t is drawn anew, half the time by equal angles about the lamp (Kulla and Fajardo 2012). The
+ *     transmittance, shadows included, is interpolated between the fog points: no ray is traced;
+ *   - all else: interpolated between the fog points as spherical harmonics, of which a Henyey-Greenstein
+ * phase function takes band l times g^l. Traced walls ask a shadow ray for the first and take emissive
+ * surfaces and the sky out of the second the same way, so that light scattered once is exact. */
+#include "gather_scatter.h"
+
+#include <math.h>
+
+#include "airlight/formulas.h"
+#include "fog_points.h"
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+typedef struct place {
+    const al_fog_cell *cell; /* NULL: in vacuum */
+    double distance_m, density_per_m;
+    double position[3];
+    double power[3]; /* transmittance to the ray's origin times sigma_s over density_per_m */
+} place;
+
+/* --- drawing distances --- */
+
+static double depth_at(const al_fog_cell *cell, double distance_m, int c)
+{
+    return cell->depth[c] +
+           (cell->sigma_t_per_m[c] > 0 ? (distance_m - cell->begin_m) * cell->sigma_t_per_m[c] : 0);
+}
+
+/* The cell that holds a distance, NULL in vacuum. */
+static const al_fog_cell *cell_at(const al_fog_path *fog, double distance_m)
+{
+    uint32_t low = 0, high = fog->count;
+    while (high - low > 1) {
+        uint32_t middle = low + (high - low) / 2;
+        if (fog->cells[middle].begin_m <= distance_m)
+            low = middle;
+        else
+            high = middle;
+    }
+    const al_fog_cell *cell = &fog->cells[low];
+    return distance_m >= cell->begin_m && distance_m <= cell->end_m ? cell : NULL;
+}
+
+/* The channels that a distance is drawn for: one stands for all in grey fog. */
+typedef struct channels {
+    int first, end;
+} channels;
+
+static channels channels_of(const al_gather *gather)
+{
+    return (channels){0, gather->fog.grey ? 1 : 3};
+}
+
+/* Per metre: the mean over channels with any depth of sigma_t T / (1 - T of the whole ray). */
+static double flight_density(const al_fog_path *fog, channels of, const al_fog_cell *cell, double distance_m)
+{
+    double density = 0;
+    int used = 0;
+    for (int c = of.first; c < of.end; c++) {
+        if (!(fog->depth[c] > 0)) continue;
+        used++;
+        density += cell->sigma_t_per_m[c] * exp(-depth_at(cell, distance_m, c)) / -expm1(-fog->depth[c]);
+    }
+    return density / used;
+}
+
+/* A distance with that density: the channel by the first digits of u, then the depth's inverse. */
+static double draw_flight(const al_fog_path *fog, channels of, double u)
+{
+    int deep[3], used = 0;
+    for (int c = of.first; c < of.end; c++)
+        if (fog->depth[c] > 0) deep[used++] = c;
+    int picked = (int)fmin(u * used, used - 1), c = deep[picked];
+    double depth = -log1p((u * used - picked) * expm1(-fog->depth[c]));
+    uint32_t low = 0, high = fog->count;
+    while (high - low > 1) {
+        uint32_t middle = low + (high - low) / 2;
+        if (fog->cells[middle].depth[c] <= depth)
+            low = middle;
+        else
+            high = middle;
+    }
+    const al_fog_cell *cell = &fog->cells[low];
+    double into = (depth - cell->depth[c]) / cell->sigma_t_per_m[c];
+    return fmin(cell->begin_m + fmax(0, into), cell->end_m); /* a NaN of 0/0 is 0 */
+}
+
+static void fill_place(const al_fog_path *fog, channels of, const al_ray *ray, double distance_m, place *out)
+{
+    out->distance_m = distance_m;
+    out->cell = cell_at(fog, distance_m);
+    for (int k = 0; k < 3; k++) out->position[k] = ray->origin[k] + distance_m * ray->direction[k];
+    out->density_per_m = out->cell ? flight_density(fog, of, out->cell, distance_m) : 0;
+}
+
+static void fill_power(place *out)
+{
+    for (int c = 0; c < 3; c++)
+        out->power[c] =
+            out->cell->sigma_s_per_m[c] * exp(-depth_at(out->cell, out->distance_m, c)) / out->density_per_m;
+}
+
+/* Equal angles about a light whose foot on the ray is foot_m away and height_m off it. */
+typedef struct angles {
+    double foot_m, height_m, first, last;
+} angles;
+
+static angles angles_about(const al_fog_path *fog, const al_ray *ray, const double target[3])
+{
+    angles a;
+    double begin_m = fog->cells[0].begin_m, end_m = fog->cells[fog->count - 1].end_m, to[3], square = 0;
+    for (int k = 0; k < 3; k++) to[k] = target[k] - ray->origin[k];
+    a.foot_m = dot(to, ray->direction);
+    for (int k = 0; k < 3; k++) {
+        double off = to[k] - a.foot_m * ray->direction[k];
+        square += off * off;
+    }
+    a.height_m = fmax(sqrt(square), 1e-6 * (isinf(end_m) ? fabs(a.foot_m) : end_m - begin_m));
+    a.first = atan2(begin_m - a.foot_m, a.height_m);
+    a.last = atan2(end_m - a.foot_m, a.height_m);
+    return a;
+}
+
+/* Draws the distance anew, half by equal angles, for light from a point. False in vacuum. */
+static bool redraw(const al_gather *gather, const al_fog_path *fog, const al_ray *ray, const double target[3],
+                   const double u[2], place *out)
+{
+    angles a = angles_about(fog, ray, target);
+    channels of = channels_of(gather);
+    double width = a.last - a.first, distance_m;
+    if (!(width > 0)) return true; /* from very far: the place stands */
+    if (u[1] < 0.5)
+        distance_m = draw_flight(fog, of, u[0]);
+    else
+        distance_m = a.foot_m + a.height_m * tan(a.first + u[0] * width);
+    fill_place(fog, of, ray, distance_m, out);
+    if (!out->cell) return false;
+    double off = distance_m - a.foot_m;
+    out->density_per_m =
+        0.5 * (out->density_per_m + a.height_m / (width * (a.height_m * a.height_m + off * off)));
+    fill_power(out);
+    return out->density_per_m > 0;
+}
+
+/* --- light --- */
+
+/* Transmittance from the place to the light, by a shadow ray. */
+static void trace_transmittance(const al_gather *gather, const double position[3],
+                                const al_light_sample *light, double transmittance[3])
+{
+    al_ray ray;
+    for (int k = 0; k < 3; k++) {
+        transmittance[k] = 0;
+        ray.origin[k] = position[k];
+        ray.direction[k] = light->direction[k];
+    }
+    if (al_gather_light_is_seen(&gather->lights, position, light))
+        al_fog_transmittance(&gather->fog, &ray, light->distance_m, transmittance);
+}
+
+/* Light of one kind, scattered once, at or near the place. */
+static void add_once(const al_gather *gather, al_gather_scratch *scratch, al_light_kind kind, place at,
+                     al_sequence *sequence, al_gather_way *way)
+{
+    al_light_sample light;
+    double transmittance[3], u[2];
+    if (!al_gather_light_sample(&gather->lights, kind, at.position, NULL, sequence, &light)) return;
+    if (isfinite(light.distance_m)) {
+        al_sequence_pair(sequence, u);
+        if (!redraw(gather, &scratch->fog, &way->ray, light.target, u, &at)) return;
+        if (!al_gather_light_move(&light, at.position)) return;
+    }
+    if (gather->options.walls == AL_WALLS_TRACED)
+        trace_transmittance(gather, at.position, &light, transmittance);
+    else
+        al_fog_points_lamp(gather->points, light.lamp, at.position, transmittance);
+    double phase = al_phase(at.cell->g, dot(light.direction, way->ray.direction));
+    for (int c = 0; c < 3; c++)
+        way->scattered[c] += at.power[c] * phase * light.power[c] * light.facing * transmittance[c];
+}
+
+/* Each channel has a place of its own where fog is not grey: then each counts exactly what it scatters, and
+ * no point gains light. */
+static bool record(const al_gather *gather, al_gather_scratch *scratch, const double carried[3], double u,
+                   const al_gather_way *way)
+{
+    for (int c = 0; c < (gather->fog.grey ? 1 : 3); c++) {
+        place at;
+        channels of = {c, c + 1};
+        if (!(scratch->fog.depth[c] > 0)) continue;
+        fill_place(&scratch->fog, of, &way->ray, draw_flight(&scratch->fog, of, u), &at);
+        if (!at.cell || !(at.density_per_m > 0)) continue;
+        fill_power(&at);
+        al_fog_record made = {.g = (float)at.cell->g};
+        for (int k = 0; k < 3; k++) {
+            made.position[k] = (float)at.position[k];
+            made.direction[k] = (float)way->ray.direction[k];
+            made.weight[k] = gather->fog.grey || k == c ? (float)(carried[k] * at.power[k]) : 0;
+        }
+        if (!al_fog_record_push(scratch->record, &made)) return false;
+    }
+    return true;
+}
+
+bool al_gather_scatter(const al_gather *gather, al_gather_scratch *scratch, const double carried[3],
+                       al_sequence *sequence, al_gather_way *way)
+{
+    const al_fog_path *fog = &scratch->fog;
+    channels of = channels_of(gather);
+    double u[2], radiance[3];
+    place at;
+    if (!gather->fog.scatters || !(fog->depth[0] + fog->depth[1] + fog->depth[2] > 0)) return true;
+    al_sequence_pair(sequence, u);
+    fill_place(fog, of, &way->ray, draw_flight(fog, of, u[0]), &at);
+    if (!at.cell || !(at.density_per_m > 0)) return true;
+    fill_power(&at);
+    if (gather->lights.scene->light_count) add_once(gather, scratch, AL_LIGHT_KIND_LAMP, at, sequence, way);
+    if (scratch->record) return record(gather, scratch, carried, u[1], way);
+    if (gather->options.walls == AL_WALLS_TRACED) {
+        add_once(gather, scratch, AL_LIGHT_KIND_EMITTER, at, sequence, way);
+        add_once(gather, scratch, AL_LIGHT_KIND_SKY, at, sequence, way);
+    }
+    al_fog_points_scatter(gather->points, at.position, way->ray.direction, at.cell->g, radiance);
+    for (int c = 0; c < 3; c++) way->scattered[c] += at.power[c] * radiance[c];
+    return true;
+}
