@@ -192,7 +192,7 @@ static void solve(const seam_system *s, const double *weights, double *x, double
     multiply(s, weights, x, residual);
     for (uint32_t i = 0; i < n; i++) residual[i] = weights[i] * x[i] - residual[i];
     memcpy(direction, residual, n * sizeof *direction);
-    double square = product(residual, residual, n), enough = 1e-12 * square;
+    double square = product(residual, residual, n), enough = 1e-12 * square + 1e-24 * product(x, x, n);
     for (int k = 0; k < ITERATIONS && square > enough; k++) {
         multiply(s, weights, direction, image);
         double step = square / product(direction, image, n), before = square;
