@@ -11,15 +11,24 @@
 #include <time.h>
 #include <unistd.h>
 
+/* Names of files and options may hold line ends and escape sequences; a message may not. */
+static void print_line(const al_program *program, const char *message, const char *tail)
+{
+    fprintf(stderr, "%s: ", program->name);
+    for (const char *c = message; *c; c++) fputc((unsigned char)*c < ' ' || *c == 127 ? '?' : *c, stderr);
+    fprintf(stderr, "%s\n", tail);
+}
+
 AL_PRINTF(2, 3)
 static int usage_error(const al_program *program, const char *format, ...)
 {
+    char message[AL_ERROR_SIZE], tail[128];
     va_list arguments;
     va_start(arguments, format);
-    fprintf(stderr, "%s: ", program->name);
-    vfprintf(stderr, format, arguments);
-    fprintf(stderr, "; see %s --help\n", program->name);
+    vsnprintf(message, sizeof message, format, arguments);
     va_end(arguments);
+    snprintf(tail, sizeof tail, "; see %s --help", program->name);
+    print_line(program, message, tail);
     return AL_USAGE;
 }
 
@@ -58,14 +67,14 @@ static bool in_range(const al_option *option, double value)
 
 static int range_error(const al_program *program, const al_option *option, const char *text)
 {
-    char expected[160];
+    char expected[AL_ERROR_SIZE];
     const char *what = option->kind == AL_OPTION_REAL   ? "a number"
                        : option->kind == AL_OPTION_SIZE ? "WIDTHxHEIGHT, each"
                                                         : "a whole number";
     if (option->minimum == option->maximum)
         snprintf(expected, sizeof expected, "takes %s, not '%s'", what, text);
     else
-        snprintf(expected, sizeof expected, "takes %s from %g to %g, not '%s'", what, option->minimum,
+        snprintf(expected, sizeof expected, "takes %s from %.10g to %.10g, not '%s'", what, option->minimum,
                  option->maximum, text);
     return usage_error(program, "%s %s", option->name, expected);
 }
@@ -78,6 +87,7 @@ static int set_value(const al_program *program, const al_option *option, const c
         *(bool *)option->value = true;
         return -1;
     case AL_OPTION_STRING:
+        if (!*text) return usage_error(program, "%s needs %s, not ''", option->name, option->argument);
         *(const char **)option->value = text;
         return -1;
     case AL_OPTION_LIST: {
@@ -132,6 +142,7 @@ int al_program_parse(al_program *program, int argc, char **argv, const char **po
         if (options_end || word[0] != '-' || word[1] == 0) {
             if (*positional_count == limit)
                 return usage_error(program, "'%s' is one argument too many", word);
+            if (!*word) return usage_error(program, "an argument is empty");
             positionals[(*positional_count)++] = word;
             continue;
         }
@@ -139,8 +150,11 @@ int al_program_parse(al_program *program, int argc, char **argv, const char **po
             options_end = true;
             continue;
         }
-        if (!strcmp(word, "--help")) return print_help(program), AL_OK;
-        if (!strcmp(word, "--version")) return printf("%s %s\n", program->name, AIRLIGHT_VERSION), AL_OK;
+        if (!strcmp(word, "--help")) return print_help(program), al_program_end(program, AL_OK);
+        if (!strcmp(word, "--version")) {
+            printf("%s %s\n", program->name, AIRLIGHT_VERSION);
+            return al_program_end(program, AL_OK);
+        }
         if (!strcmp(word, "--quiet")) {
             program->quiet = true;
             continue;
@@ -171,21 +185,36 @@ int al_program_parse(al_program *program, int argc, char **argv, const char **po
     return -1;
 }
 
+al_status al_program_check_ending(const char *option, const char *path, const char *ending, al_error *error)
+{
+    size_t length = strlen(path), tail = strlen(ending);
+    if (length > tail && !strcmp(path + length - tail, ending)) return AL_OK;
+    return al_fail(error, AL_USAGE, "%s takes a name that ends in %s, not '%s'", option, ending, path);
+}
+
 int al_program_fail(const al_program *program, const al_error *error)
 {
-    fprintf(stderr, "%s: %s\n", program->name, error->message);
+    print_line(program, error->message, "");
     return (int)error->status;
+}
+
+int al_program_end(const al_program *program, int code)
+{
+    al_error error;
+    if (fflush(stdout) == 0 && !ferror(stdout)) return code;
+    al_fail(&error, AL_IO, "standard output: cannot write: %s", strerror(errno));
+    return code > AL_CHECK_FAILED ? code : al_program_fail(program, &error);
 }
 
 void al_program_say(const al_program *program, const char *format, ...)
 {
     if (program->quiet) return;
+    char message[AL_ERROR_SIZE];
     va_list arguments;
     va_start(arguments, format);
-    fprintf(stderr, "%s: ", program->name);
-    vfprintf(stderr, format, arguments);
-    fputc('\n', stderr);
+    vsnprintf(message, sizeof message, format, arguments);
     va_end(arguments);
+    print_line(program, message, "");
 }
 
 /* Blocked in every thread, a signal waits until somebody looks. A handler would not do: compilers inside

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "airlight/container.h"
@@ -32,8 +33,11 @@ static int open_temporary(al_replacement *replacement, size_t size)
 
 al_status al_replacement_open(const char *path, al_replacement *replacement, al_error *error)
 {
+    struct stat about;
     size_t length = strlen(path), size = length + 40;
     *replacement = (al_replacement){.descriptor = -1};
+    if (stat(path, &about) == 0 && !S_ISREG(about.st_mode)) /* /dev/null would become a file */
+        return al_fail(error, AL_IO, "%s: is no regular file and stays; give another name", path);
     replacement->path = malloc(length + 1);
     replacement->temporary = malloc(size);
     if (!replacement->path || !replacement->temporary) {

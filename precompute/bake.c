@@ -382,5 +382,5 @@ int main(int argc, char **argv)
     free(b.report.objects);
     al_atlas_free(&b.atlas);
     al_import_free(b.import);
-    return status == AL_OK ? 0 : al_program_fail(&program, &error);
+    return al_program_end(&program, status == AL_OK ? 0 : al_program_fail(&program, &error));
 }

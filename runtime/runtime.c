@@ -117,7 +117,7 @@ al_status al_runtime_load(al_runtime *runtime, const char *folder, al_error *err
     if (snprintf(path, sizeof path, "%s/scene.air", folder) >= (int)sizeof path)
         return al_fail(error, AL_USAGE, "%s: the path is longer than %zu characters", folder,
                        sizeof path - 11);
-    if (access(path, F_OK) && errno == ENOENT)
+    if (access(path, F_OK) && (errno == ENOENT || errno == ENOTDIR))
         return al_fail(error, AL_BAD_INPUT, "%s: no scene.air in it; airlight-bake SCENE.json -o %s makes it",
                        folder, folder);
     al_status status = al_file_open(path, &options, &file, error);

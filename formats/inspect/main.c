@@ -217,11 +217,8 @@ int main(int argc, char **argv)
     size_t count;
     int code = al_program_parse(&program, argc, argv, &path, 1, 1, &count);
     if (code >= 0) return code;
-    code = inspect(&program, path, &asked);
-    if (fflush(stdout) != 0 || ferror(stdout)) {
-        al_error error;
-        return al_program_fail(&program,
-                               (al_fail(&error, AL_IO, "standard output cannot be written"), &error));
-    }
-    return code;
+    al_error error;
+    if (asked.image && al_program_check_ending("--image", asked.image, ".png", &error))
+        return al_program_fail(&program, &error);
+    return al_program_end(&program, inspect(&program, path, &asked));
 }

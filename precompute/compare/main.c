@@ -197,7 +197,9 @@ int main(int argc, char **argv)
     given.b = paths[1];
     al_error error = {0};
     al_status status = AL_OK;
-    if (given.error_a && !given.error_b) status = al_fail(&error, AL_USAGE, "--noise-a needs --error");
+    if (given.diff) status = al_program_check_ending("--diff", given.diff, ".png", &error);
+    if (!status && given.error_a && !given.error_b)
+        status = al_fail(&error, AL_USAGE, "--noise-a needs --error");
     for (int i = 0; !status && i < limits.count; i++)
         status = parse_limit(&given, limits.values[i], &given.limits[given.limit_count++], &error);
     if (!status) status = compare(&given, &error);

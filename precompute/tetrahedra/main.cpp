@@ -21,6 +21,7 @@
 #include <map>
 #include <new>
 #include <string>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <vector>
@@ -240,7 +241,7 @@ int work_with_columns(const surface &from, FILE *out)
                : FAILED_TO_WRITE;
 }
 
-al_status explain(int code, const char *name, al_error *error)
+al_status explain(int code, const char *name, const char *output, al_error *error)
 {
     switch (code) {
     case 0:
@@ -248,7 +249,7 @@ al_status explain(int code, const char *name, al_error *error)
     case OUT_OF_MEMORY:
         return al_fail(error, AL_IO, "%s: out of memory", name);
     case FAILED_TO_WRITE:
-        return al_fail(error, AL_IO, "%s: the tetrahedra cannot be written", name);
+        return al_fail(error, AL_IO, "%s: cannot write the tetrahedra", output);
     case NO_INTERIOR:
         return al_fail(error, AL_BAD_INPUT,
                        "%s: there is nothing inside; a closed surface that faces "
@@ -276,12 +277,13 @@ al_status run(const char *input, const char *output, bool verbose, al_error *err
         return al_fail(error, AL_BAD_INPUT, "%s: has %zu points; at least 4 are right", name,
                        from.points.size() / 3);
     FILE *out = output ? std::fopen(output, "wb") : stdout;
-    if (!out) return al_fail_errno(error, output, "open");
+    if (!out) return al_fail(error, AL_IO, "%s: cannot write: %s", output, std::strerror(errno));
     int code = work_in_child(from, out, verbose);
     if (code > 0 && code < FAILED_TO_WRITE && !from.corners.empty()) code = work_with_columns(from, out);
     if (output) std::fclose(out);
-    const al_status status = explain(code, name, error);
-    if (status && output) std::remove(output);
+    const al_status status = explain(code, name, output ? output : "standard output", error);
+    struct stat about;
+    if (status && output && !stat(output, &about) && S_ISREG(about.st_mode)) std::remove(output);
     return status;
 }
 

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -48,8 +49,10 @@ static al_status cancelled(al_error *error)
 static al_status check_writable(const char *path, al_error *error)
 {
     char folder[4096];
+    struct stat about;
     const char *slash = strrchr(path, '/');
-    if (!path[0]) return al_fail(error, AL_USAGE, "an output's name is empty");
+    if (stat(path, &about) == 0 && !S_ISREG(about.st_mode))
+        return al_fail(error, AL_IO, "%s: is no regular file and stays; give another name", path);
     snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) : 1, slash ? path : ".");
     if (access(*folder ? folder : "/", W_OK | X_OK) == 0) return AL_OK;
     return al_fail(error, AL_IO, "%s: cannot write: %s: %s", path, *folder ? folder : "/", strerror(errno));
@@ -261,5 +264,5 @@ int al_headless_run(const al_program *program, const al_play_options *options)
     al_offscreen_destroy(&s.offscreen);
     al_image_free(&s.sum);
     al_stats_free(&s.stats);
-    return status ? al_program_fail(program, &error) : AL_OK;
+    return al_program_end(program, status ? al_program_fail(program, &error) : AL_OK);
 }

@@ -1,7 +1,9 @@
+#define _POSIX_C_SOURCE 200809L
 #include "offscreen.h"
 
 #include <epoxy/egl.h>
 #include <stdint.h>
+#include <stdlib.h>
 
 enum { DEVICE_LIMIT = 32 };
 
@@ -73,6 +75,7 @@ static const char *try_surfaceless(bool debug, al_offscreen *offscreen)
 al_status al_offscreen_create(bool debug, al_offscreen *offscreen, al_error *error)
 {
     *offscreen = (al_offscreen){0};
+    if (!debug) setenv("EGL_LOG_LEVEL", "fatal", 0); /* our one line says what failed */
     const char *device = try_devices(debug, offscreen);
     if (!device) return AL_OK;
     const char *surfaceless = try_surfaceless(debug, offscreen);

@@ -45,13 +45,16 @@ static int set_view_leg(const al_program *program, const char *name, al_view_leg
     return refuse(program, "--view-leg takes marched or sh, not '%s'", name);
 }
 
-static int check(const al_program *program, const al_play_options *options)
+static int check(const al_program *program, al_play_options *options)
 {
     if (options->headless && !options->folder)
         return refuse(program, "--headless needs the baked folder to draw; see %s --help", program->name);
-    if (!options->headless &&
-        (options->out.count || options->stats || options->accumulate || options->first_picture))
-        return refuse(program, "--out, --stats, --accumulate and --first-picture need --headless");
+    if (!options->headless && (options->out.count || options->stats || options->accumulate ||
+                               options->first_picture || options->frames || options->fps > 0))
+        return refuse(program,
+                      "--out, --stats, --frames, --fps, --accumulate and --first-picture need --headless");
+    if (!options->frames) options->frames = 1;
+    if (!(options->fps > 0)) options->fps = 60;
     for (int i = 0; i < options->out.count; i++) {
         const char *path = options->out.values[i];
         if (!al_picture_has_ending(path, ".exr") && !al_picture_has_ending(path, ".png"))
@@ -82,7 +85,7 @@ static int apply(const al_program *program, const raw_options *raw, al_play_opti
 int al_play_options_parse(al_program *program, int argc, char **argv, al_play_options *options)
 {
     raw_options raw = {.pass = "composite", .view_leg = "marched"};
-    *options = (al_play_options){.size = {1280, 720}, .frames = 1, .fps = 60, .exposure_ev = NAN};
+    *options = (al_play_options){.size = {1280, 720}, .exposure_ev = NAN};
     const al_option table[] = {
         {"--headless", NULL, AL_OPTION_FLAG, &options->headless, "render without a display, then end", 0, 0},
         {"--size", "WxH", AL_OPTION_SIZE, options->size, "picture or window size (1280x720)", 1, 8192},

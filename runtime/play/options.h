@@ -19,7 +19,7 @@ typedef struct al_play_options {
 /* -1 to go on, else the exit code. */
 int al_play_options_parse(al_program *program, int argc, char **argv, al_play_options *options);
 
-/* The exposure that counts, and the camera by name (the first one without a name; AL_BAD_INPUT for an
+/* The exposure that counts, and the camera by name (the first one without a name; AL_USAGE for an
  * unknown). */
 double al_play_exposure(const al_play_options *options, const al_scene *scene);
 al_status al_play_camera(const al_play_options *options, const al_scene *scene, const al_camera **camera,

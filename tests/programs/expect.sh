@@ -44,6 +44,15 @@ fails() {
     [ ! -s "$work/stdout" ] || wrong "standard output is not empty: $*"
 }
 
+# full_output PROGRAM...: what it has to say does not fit on a full disk: exit code 4 and one line.
+full_output() {
+    [ -c /dev/full ] || return 0
+    full_code=0
+    "$@" >/dev/full 2>"$work/stderr" || full_code=$?
+    [ "$full_code" = 4 ] || wrong "exit code $full_code, not 4, with a full standard output: $*"
+    grep -q 'standard output: cannot write' "$work/stderr" || wrong "does not say so: $(cat "$work/stderr")"
+}
+
 # empty FOLDER: does not exist or holds no file.
 empty() {
     [ -z "$(find "$1" ! -type d 2>/dev/null)" ] || wrong "left behind: $(find "$1" ! -type d)"

@@ -76,16 +76,35 @@ run 0 play --first-picture --stats "$work/stats.json"
 grep -Eq '"first_picture_ms": [0-9]' "$work/stats.json" || wrong "the first picture was not timed"
 run 0 "$bin/airlight-play" "$work/baked" --plan
 grep -Eq ' (yes|no) ' "$work/stdout" || wrong "--plan says: $(cat "$work/stdout")"
+full_output "$bin/airlight-play" "$work/baked" --plan
 
 # Wrong usage.
 fails 2 "--headless needs" "$bin/airlight-play" --headless
-fails 2 "need --headless" "$bin/airlight-play" "$work/baked" --out "$work/b.exr"
+for option in --out=b.exr --stats=s.json --frames=1 --fps=60 --accumulate --first-picture; do
+    fails 2 "need --headless" "$bin/airlight-play" "$work/baked" $option
+done
 fails 2 "--pass takes one of composite" play --pass nonsense
 fails 2 "--view-leg takes marched or sh" play --view-leg nonsense
 fails 2 "b.jpg" play --out "$work/b.jpg"
 fails 2 "--size" play --size 0x10
 fails 2 "--size" play --size 8193x10
 fails 2 "front, top" play --camera nonsense
+fails 2 "from 1 to 2147483647, not '0'" play --samples 0
+fails 2 "from 1 to 1000000, not '2.5'" play --frames 2.5
+fails 2 "--fps" play --fps nan
+fails 2 "--stats needs FILE" play --stats ""
+
+# Not a baked folder.
+for folder in "$work" "$work/scene.json" "$work/baked/scene.air" "$work/absent"; do
+    fails 3 "$folder: no scene.air in it" "$bin/airlight-play" "$folder" --headless
+done
+
+# What is no regular file is never replaced: a device or a pipe would be lost.
+mkfifo "$work/pipe.exr"
+mkdir "$work/folder.png"
+for name in pipe.exr folder.png; do fails 4 "$name: is no regular file" play --out "$work/$name"; done
+fails 4 "pipe.exr: is no regular file" play --stats "$work/pipe.exr"
+[ -p "$work/pipe.exr" ] || wrong "the pipe is gone"
 
 # --watch draws again when the folder changes, and ends well when it is stopped.
 "$bin/airlight-play" "$work/baked" --headless --size 48x32 --watch --out "$work/w.exr" 2>"$work/watch" &

@@ -15,8 +15,13 @@ done
 run 0 "$bin/$program" --version
 grep -Eqx "$program [0-9]+\.[0-9]+\.[0-9]+" "$work/stdout" || wrong "--version says: $(cat "$work/stdout")"
 
+full_output "$bin/$program" --help
+full_output "$bin/$program" --version
+
 fails 2 "'--no-such-option'" "$bin/$program" --no-such-option
 fails 2 "--quiet=3" "$bin/$program" --quiet=3
+fails 2 "'--two?lines'" "$bin/$program" "$(printf -- '--two\nlines')"
+fails 2 "an argument is empty" "$bin/$program" ""
 [ "$needed" = 0 ] || fails 2 "usage" "$bin/$program"
 fails 2 "one argument too many" "$bin/$program" 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20
 finish

@@ -144,6 +144,7 @@ no_opengl)
         "$bin/airlight-play" "$work/baked" --headless --out "$work/picture.exr"
     [ ! -e "$work/picture.exr" ] || wrong "a picture without OpenGL"
     fails 5 "OpenGL 4.5" env __EGL_VENDOR_LIBRARY_FILENAMES=/dev/null "$bin/airlight-play" "$work/baked" --headless
+    fails 5 "OpenGL 4.5" env LIBGL_DRIVERS_PATH=/nonexistent "$bin/airlight-play" "$work/baked" --headless
     ;;
 no_display)
     baked_scene
@@ -180,6 +181,35 @@ unwritable)
     fails 4 "$work/file/ref" "$bin/airlight-reference" "$work/scene.json" --mode single-scatter --spp 2 \
         --size 16x16 -o "$work/file/ref.exr"
     [ "$(cat "$work/file")" = "" ] || wrong "the file was written to"
+    ;;
+read_only)
+    [ "$(id -u)" = 0 ] || skip "a read-only folder that root may not write to needs a mount"
+    mkdir "$work/fixed"
+    mount -t tmpfs -o size=64k,ro tmpfs "$work/fixed" 2>/dev/null || skip "mounting a tmpfs is not allowed here"
+    mounted=$work/fixed
+    baked_scene
+    fails 4 "Read-only" "$bin/airlight-bake" "$work/scene.json" -o "$work/fixed/baked"
+    fails 4 "Read-only" "$bin/airlight-bake" "$work/scene.json" -o "$work/fixed"
+    fails 4 "Read-only" "$bin/airlight-play" "$work/baked" --headless --size 16x16 --out "$work/fixed/picture.exr"
+    fails 4 "Read-only" "$bin/airlight-play" "$work/baked" --headless --size 16x16 --stats "$work/fixed/stats.json"
+    fails 4 "Read-only" "$bin/airlight-inspect" "$asset" --image "$work/fixed/slice.png"
+    fails 4 "Read-only" "$bin/airlight-reference" "$work/scene.json" --mode single-scatter --spp 2 --size 16x16 \
+        -o "$work/fixed/ref.exr"
+    ;;
+picture_names) # a PNG does not go into a file of another name
+    baked_scene
+    fails 2 ".png" "$bin/airlight-inspect" "$asset" --image "$work/slice.jpg"
+    run 0 "$bin/airlight-play" "$work/baked" --headless --size 16x16 --out "$work/picture.exr"
+    fails 2 ".png" "$bin/airlight-compare" "$work/picture.exr" "$work/picture.exr" --diff "$work/diff.exr"
+    [ ! -e "$work/slice.jpg" ] && [ ! -e "$work/diff.exr" ] || wrong "a picture of another name"
+    ;;
+tetrahedra_output) # four points: magic, counts, coordinates (precompute/tetrahedra/main.cpp)
+    one='\000\000\000\000\000\000\360\077' zero='\000\000\000\000\000\000\000\000'
+    printf "ALTETIN1\004\000\000\000\000\000\000\000$zero$zero$zero$zero$one$zero$zero$zero$one$zero$zero$zero$one" \
+        >"$work/points"
+    run 0 "$bin/airlight-tetrahedra" "$work/points" -o "$work/cells"
+    fails 4 "$work/absent/cells" "$bin/airlight-tetrahedra" "$work/points" -o "$work/absent/cells"
+    full_output "$bin/airlight-tetrahedra" "$work/points"
     ;;
 *)
     echo "no case is named '$case'" >&2

@@ -48,9 +48,13 @@ typedef struct al_program {
  * exit code to end with (a message was printed). Positional arguments: at least `minimum`, at most `limit`. */
 int al_program_parse(al_program *program, int argc, char **argv, const char **positionals, size_t minimum,
                      size_t limit, size_t *positional_count);
-/* Prints "NAME: message" on standard error and returns the exit code. */
+/* Prints "NAME: message" on standard error, as one line whatever the message holds, and returns the exit code. */
 int al_program_fail(const al_program *program, const al_error *error);
-/* "NAME: message" on standard error unless --quiet. */
+/* For the end of main: `code`, or what failed when results did not reach standard output. */
+int al_program_end(const al_program *program, int code);
+/* AL_USAGE when `path`, the value of `option`, does not end in `ending` (".png") with a name before it. */
+al_status al_program_check_ending(const char *option, const char *path, const char *ending, al_error *error);
+/* "NAME: message" on standard error, as one line, unless --quiet. */
 void al_program_say(const al_program *program, const char *format, ...) AL_PRINTF(2, 3);
 
 /* Before the first thread starts: from then on Ctrl-C and SIGTERM only make al_program_cancelled true, which long
