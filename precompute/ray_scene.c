@@ -412,6 +412,7 @@ bool al_ray_scene_segments(const al_ray_scene *scene, const al_ray *ray, double 
     g.base.filter = on_hit;
     rtcIntersect1(scene->boundaries, &g.base, &query);
     if (line->failed) return false;
+    if (!line->crossing_count) return true;
     qsort(line->crossings, line->crossing_count, sizeof(crossing), compare_crossings);
     drop_twins(scene, line);
     return walk_back(scene, end_m, line);

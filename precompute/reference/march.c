@@ -158,7 +158,7 @@ static int compare_doubles(const void *a, const void *b)
 static void sort_breaks(al_cells *cells, uint32_t media_count)
 {
     double *list = cells->breaks;
-    if (media_count > 1) {
+    if (media_count > 1 && cells->break_count) {
         qsort(list, cells->break_count, sizeof *list, compare_doubles);
         return;
     }
@@ -225,6 +225,7 @@ bool al_march_cells(const al_march_medium *media, const al_ray *ray, const al_se
 {
     cells->count = cells->part_count = cells->end_count = 0;
     for (int c = 0; c < 3; c++) cells->depth[c] = 0;
+    if (!count) return true;
     for (uint32_t i = 0; i < count; i++)
         if (!push(&cells->ends, &cells->end_count, &cells->end_room, segments[i].begin_m) ||
             !push(&cells->ends, &cells->end_count, &cells->end_room, segments[i].end_m))
