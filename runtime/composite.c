@@ -8,8 +8,8 @@ al_status al_object_join(al_draw *draw)
     al_runtime *runtime = draw->runtime;
     al_targets *targets = &runtime->targets;
     GLuint program;
-    al_status status =
-        al_shaders_get(runtime->shaders, "fullscreen.vert object.frag", "", &program, draw->error);
+    al_status status = al_shaders_get(runtime->shaders, "fullscreen.vert object.frag", al_fog_define(draw),
+                                      &program, draw->error);
     if (status) return status;
     al_timing_begin(&runtime->timing, AL_STAGE_COMPOSITE);
     glBindFramebuffer(GL_FRAMEBUFFER, targets->radiance_framebuffer);
@@ -21,6 +21,11 @@ al_status al_object_join(al_draw *draw)
     al_gl_bind_texture(AL_UNIT_PASS + 3, targets->geometry.id);
     al_gl_bind_texture(AL_UNIT_PASS + 4, targets->light.id);
     al_gl_bind_texture(AL_UNIT_PASS + 5, targets->reflection.id);
+    if (runtime->fogs.drawn) {
+        glBindImageTexture(2, targets->fog_light.id, 0, GL_FALSE, 0, GL_READ_ONLY, GL_RGBA32F);
+        glBindImageTexture(3, targets->fog_kept.id, 0, GL_FALSE, 0, GL_READ_ONLY, GL_RGBA16F);
+        glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+    }
     glUniform4i(0, (GLint)draw->settings.pass, draw->settings.view_leg == AL_VIEW_LEG_SH, 0, 0);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_SRC1_COLOR);

@@ -25,6 +25,9 @@ static al_status check(const al_view *view, const al_settings *settings, al_erro
     if (settings->march_voxels != 0 && !in_range(settings->march_voxels, 0.01f, 100))
         return al_fail(error, AL_USAGE, "settings: march step of %g voxels; use 0.01 to 100, or 0 for 0.5",
                        (double)settings->march_voxels);
+    if (settings->fog_steps > 1024)
+        return al_fail(error, AL_USAGE, "settings: %u fog steps; use 1 to 1024, or 0 for 32",
+                       settings->fog_steps);
     if (settings->sh_order > 8)
         return al_fail(error, AL_USAGE, "settings: SH order %u; use 1 to 8, or 0 for the baked one",
                        settings->sh_order);
@@ -102,6 +105,7 @@ static al_status draw_object(al_draw *draw, uint32_t index)
     glScissor(area[0], area[1], area[2], area[3]);
     glBindBufferBase(GL_UNIFORM_BUFFER, 1, object->constants.id);
     al_status status = al_boundary_draw(draw, object, index);
+    if (!status) status = al_fog_draw_front(draw);
     if (!status) status = al_intervals_run(draw, object, area);
     if (!status) status = al_splat_draw(draw, object);
     if (!status) status = al_object_join(draw);
@@ -125,6 +129,7 @@ static al_status draw_tile(al_draw *draw)
     }
     if (draw->settings.pass == AL_PASS_NORMAL || draw->settings.pass == AL_PASS_DEPTH)
         status = al_inspect_draw(draw);
+    if (!status) status = al_fog_draw(draw);
     for (uint32_t i = 0; i < runtime->scene.translucent_count && !status; i++)
         if (runtime->sorted[i] != AL_NO_INDEX) status = draw_object(draw, runtime->sorted[i]);
     return status ? status : al_output_draw(draw);
@@ -174,6 +179,7 @@ static al_status draw_frame(al_draw *draw)
     al_gl_bind_texture(AL_UNIT_ENVIRONMENT, runtime->environment.id);
     al_gl_bind_texture(AL_UNIT_SHADOW, 0);
     al_objects_prepare(draw);
+    al_fog_prepare(draw);
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, runtime->frame_block.id);
     status = al_shadow_draw(draw);
     for (uint32_t i = 0; i < runtime->scene.translucent_count && !status; i++)
@@ -195,6 +201,7 @@ al_status al_runtime_draw(al_runtime *runtime, const al_view *view, const al_set
     if (settings) draw.settings = *settings;
     al_status status = check(view, &draw.settings, error);
     if (status) return status;
+    if (!draw.settings.fog_steps) draw.settings.fog_steps = 32;
     if (!draw.settings.interval_count) draw.settings.interval_count = 16;
     if (draw.settings.march_voxels == 0) draw.settings.march_voxels = 0.5f;
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &drawn_to);

@@ -6,6 +6,7 @@ static uint32_t texel_size(GLenum format)
     case GL_R8:
         return 1;
     case GL_R16:
+    case GL_R16F:
         return 2;
     case GL_RGBA32F:
         return 16;

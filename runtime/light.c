@@ -10,9 +10,9 @@ static al_status get_program(al_draw *draw, const al_object *object, GLuint *pro
     char defines[256];
     snprintf(
         defines, sizeof defines,
-        "#define AL_ORDER %u\n#define AL_BAKED_ORDER %u\n#define AL_CHANNELS %u\n#define AL_FORMAT %u\n%s",
+        "#define AL_ORDER %u\n#define AL_BAKED_ORDER %u\n#define AL_CHANNELS %u\n#define AL_FORMAT %u\n%s%s",
         object->order, object->info.order, object->info.channel_count, object->info.format,
-        draw->settings.view_leg == AL_VIEW_LEG_SH ? "#define AL_VIEW_SH\n" : "");
+        draw->settings.view_leg == AL_VIEW_LEG_SH ? "#define AL_VIEW_SH\n" : "", al_fog_define(draw));
     return al_shaders_get(draw->runtime->shaders, "light.comp", defines, program, draw->error);
 }
 

@@ -8,8 +8,12 @@ enum { QUEUE_LIMIT = 8 };
 
 typedef struct asset {
     char *path;
+    al_kind kind;
+    uint32_t index; /* among the scene's assets of its kind */
     al_file *file;
     al_translucent_info info;
+    al_medium_info medium;
+    al_medium_frame frame;
     uint32_t next_page, page_count;
     bool open; /* pages are still to come */
 } asset;
@@ -52,37 +56,65 @@ bool al_loader_take(al_loader *loader, al_arrival *arrival)
     return any;
 }
 
-static void open_asset(asset *a, al_arrival *arrival)
+static void open_object(asset *a, al_arrival *arrival)
 {
-    al_open_options options = {.kind = AL_KIND_TRANSLUCENT};
-    al_status status = al_file_open(a->path, &options, &a->file, &arrival->error);
-    if (!status) status = al_translucent_read(a->file, &a->info, &arrival->error);
+    al_status status = al_translucent_read(a->file, &a->info, &arrival->error);
     if (!status)
         status = al_translucent_read_grid(a->file, &a->info, &arrival->density, &arrival->blockers,
                                           &arrival->error);
     arrival->info = a->info;
     arrival->kind = status ? AL_ARRIVAL_FAILURE : AL_ARRIVAL_OBJECT;
     a->page_count = status ? 0 : al_translucent_page_count(&a->info);
+}
+
+static void open_medium(asset *a, al_arrival *arrival)
+{
+    al_status status = al_medium_read(a->file, &a->medium, &arrival->error);
+    if (!status) status = al_medium_read_frame(a->file, &a->medium, 0, &a->frame, &arrival->error);
+    arrival->medium = a->medium;
+    arrival->frame = a->frame;
+    arrival->kind = status ? AL_ARRIVAL_FAILURE : AL_ARRIVAL_MEDIUM;
+    a->page_count = status ? 0 : al_medium_page_count(&a->medium, &a->frame);
+}
+
+static void open_asset(asset *a, al_arrival *arrival)
+{
+    al_open_options options = {.kind = a->kind};
+    if (al_file_open(a->path, &options, &a->file, &arrival->error))
+        arrival->kind = AL_ARRIVAL_FAILURE;
+    else if (a->kind == AL_KIND_MEDIUM)
+        open_medium(a, arrival);
+    else
+        open_object(a, arrival);
     a->open = a->page_count > 0;
 }
 
 static void read_page(asset *a, al_arrival *arrival)
 {
+    bool bricks = a->kind == AL_KIND_MEDIUM;
+    uint32_t page = a->next_page++;
     al_status status =
-        al_translucent_read_page(a->file, &a->info, a->next_page++, &arrival->page, &arrival->error);
-    arrival->kind = status ? AL_ARRIVAL_FAILURE : AL_ARRIVAL_PAGE;
+        bricks ? al_medium_read_page(a->file, &a->medium, 0, page, &arrival->bricks, &arrival->error)
+               : al_translucent_read_page(a->file, &a->info, page, &arrival->page, &arrival->error);
+    arrival->kind = status ? AL_ARRIVAL_FAILURE : bricks ? AL_ARRIVAL_BRICKS : AL_ARRIVAL_PAGE;
     a->open = !status && a->next_page < a->page_count;
 }
 
-/* First every object, then their pages in turn, so that all of them show early. */
+static void begin_arrival(const asset *a, al_arrival *arrival)
+{
+    memset(arrival, 0, sizeof *arrival);
+    arrival->asset = a->kind;
+    arrival->object = a->index;
+}
+
+/* First every asset, then their pages in turn, so that all of them show early. */
 static void *run(void *user)
 {
     al_loader *loader = user;
     bool go_on = true, any = true;
     al_arrival *arrival = &loader->scratch;
     for (uint32_t i = 0; i < loader->asset_count && go_on; i++) {
-        memset(arrival, 0, sizeof *arrival);
-        arrival->object = i;
+        begin_arrival(&loader->assets[i], arrival);
         open_asset(&loader->assets[i], arrival);
         go_on = push(loader, arrival);
     }
@@ -90,8 +122,7 @@ static void *run(void *user)
         any = false;
         for (uint32_t i = 0; i < loader->asset_count && go_on; i++) {
             if (!loader->assets[i].open) continue;
-            memset(arrival, 0, sizeof *arrival);
-            arrival->object = i;
+            begin_arrival(&loader->assets[i], arrival);
             read_page(&loader->assets[i], arrival);
             go_on = push(loader, arrival);
             any = true;
@@ -114,6 +145,13 @@ static char *join(const char *folder, const char *name)
     return path;
 }
 
+static bool add_asset(al_loader *loader, const char *folder, const char *name, al_kind kind, uint32_t index)
+{
+    asset *a = &loader->assets[loader->asset_count++];
+    *a = (asset){.path = join(folder, name), .kind = kind, .index = index};
+    return a->path != NULL;
+}
+
 al_status al_loader_create(const char *folder, const al_scene *scene, al_loader **loader, al_error *error)
 {
     al_loader *made = calloc(1, sizeof *made);
@@ -121,13 +159,12 @@ al_status al_loader_create(const char *folder, const al_scene *scene, al_loader 
     if (!made) return al_fail(error, AL_IO, "%s: no memory for the loader", folder);
     pthread_mutex_init(&made->lock, NULL);
     pthread_cond_init(&made->room, NULL);
-    made->assets = calloc(scene->translucent_count + 1, sizeof *made->assets);
+    made->assets = calloc((size_t)scene->translucent_count + scene->fog_count + 1, sizeof *made->assets);
     bool good = made->assets != NULL;
-    made->asset_count = good ? scene->translucent_count : 0;
-    for (uint32_t i = 0; i < made->asset_count; i++) {
-        made->assets[i].path = join(folder, scene->translucents[i].asset);
-        good = good && made->assets[i].path;
-    }
+    for (uint32_t i = 0; i < scene->translucent_count && good; i++)
+        good = add_asset(made, folder, scene->translucents[i].asset, AL_KIND_TRANSLUCENT, i);
+    for (uint32_t i = 0; i < scene->fog_count && good; i++)
+        if (*scene->fogs[i].asset) good = add_asset(made, folder, scene->fogs[i].asset, AL_KIND_MEDIUM, i);
     if (good) made->started = pthread_create(&made->thread, NULL, run, made) == 0;
     if (!made->started) {
         al_loader_free(made);

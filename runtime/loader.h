@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 
+#include "airlight/medium.h"
 #include "airlight/scene.h"
 #include "airlight/translucent.h"
 
@@ -13,21 +14,27 @@ typedef struct al_loader al_loader;
 typedef enum al_arrival_kind {
     AL_ARRIVAL_OBJECT, /* info and density grid */
     AL_ARRIVAL_PAGE,
-    AL_ARRIVAL_FAILURE, /* of this object: nothing more of it comes */
+    AL_ARRIVAL_MEDIUM,  /* info and index of bricks of a fog's first frame */
+    AL_ARRIVAL_BRICKS,  /* a page of them */
+    AL_ARRIVAL_FAILURE, /* of this asset: nothing more of it comes */
     AL_ARRIVAL_END      /* all there is has arrived */
 } al_arrival_kind;
 
 typedef struct al_arrival {
     al_arrival_kind kind;
-    uint32_t object; /* index into al_scene.translucents */
+    al_kind asset;   /* that it belongs to */
+    uint32_t object; /* index into al_scene.translucents, or into al_scene.fogs */
     al_translucent_info info;
     const uint16_t *density; /* as al_translucent_read_grid */
     const uint8_t *blockers;
     al_translucent_page page;
+    al_medium_info medium;
+    al_medium_frame frame;
+    al_medium_page bricks;
     al_error error;
 } al_arrival;
 
-/* Starts the thread for every translucent object of the scene; its names are copied. */
+/* Starts the thread for every asset that the scene names; the names are copied. */
 al_status al_loader_create(const char *folder, const al_scene *scene, al_loader **loader, al_error *error);
 /* Answers whether something has arrived, without waiting. */
 bool al_loader_take(al_loader *loader, al_arrival *arrival);

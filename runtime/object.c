@@ -94,8 +94,7 @@ static al_status upload_slices(al_object *object, const al_arrival *arrival, uin
     return AL_OK;
 }
 
-/* How many units of `size` bytes fit the budget, at least one and at most `left`; takes them off. */
-static uint64_t share(uint64_t *budget, uint64_t size, uint64_t left)
+uint64_t al_budget_share(uint64_t *budget, uint64_t size, uint64_t left)
 {
     uint64_t count = size ? *budget / size : left;
     count = count < 1 ? 1 : count;
@@ -111,7 +110,8 @@ static al_status accept_object(al_runtime *runtime, al_object *object, const al_
     al_status status = object->density.id ? AL_OK : create(runtime, object, &arrival->info, error);
     if (!status) {
         uint64_t texel = arrival->info.has_blockers ? 4 : 2;
-        uint64_t count = share(budget, (uint64_t)size[0] * size[1] * texel, size[2] - object->slices);
+        uint64_t count =
+            al_budget_share(budget, (uint64_t)size[0] * size[1] * texel, size[2] - object->slices);
         status = upload_slices(object, arrival, object->slices, count, error);
         object->slices += count;
     }
@@ -130,7 +130,7 @@ static void accept_page(al_runtime *runtime, al_object *object, const al_arrival
     uint64_t at = runtime->arrived, first = page->first + at;
     *done = !object->present || at >= page->count;
     if (*done) return;
-    uint64_t count = share(budget, size + scales + 28, page->count - at);
+    uint64_t count = al_budget_share(budget, size + scales + 28, page->count - at);
     glNamedBufferSubData(object->positions.id, (GLintptr)(first * 12), (GLsizeiptr)(count * 12),
                          page->positions + 3 * at);
     glNamedBufferSubData(object->gaussians.id, (GLintptr)(first * 16), (GLsizeiptr)(count * 16),
@@ -149,20 +149,9 @@ al_status al_object_accept(al_runtime *runtime, const al_arrival *arrival, uint6
                            al_error *error)
 {
     al_object *object = &runtime->objects[arrival->object];
-    *done = true;
-    switch (arrival->kind) {
-    case AL_ARRIVAL_OBJECT:
+    if (arrival->kind == AL_ARRIVAL_OBJECT)
         return accept_object(runtime, object, arrival, budget, done, error);
-    case AL_ARRIVAL_PAGE:
-        accept_page(runtime, object, arrival, budget, done);
-        return AL_OK;
-    case AL_ARRIVAL_END:
-        runtime->ended = true;
-        return AL_OK;
-    case AL_ARRIVAL_FAILURE:
-        object->failed = true;
-        return al_fail(error, arrival->error.status, "%s", arrival->error.message);
-    }
+    accept_page(runtime, object, arrival, budget, done);
     return AL_OK;
 }
 

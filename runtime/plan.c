@@ -45,6 +45,9 @@ const al_plan_row *al_runtime_plan(al_runtime *runtime, uint32_t *count)
         object_bytes(runtime, false));
     add(runtime, count, "surface", true, opaque ? "opaque objects" : "background and boundaries",
         ms[AL_STAGE_SURFACE], target_bytes(runtime, false));
+    add(runtime, count, "direct-scattering", scene->fog_count > 0,
+        scene->fog_count ? "fog scatters light towards the eye and hides what lies behind" : "no fog",
+        ms[AL_STAGE_FOG], al_fog_bytes(runtime));
     add(runtime, count, "environment", environment,
         environment ? "environment light" : "no environment light", 0, runtime->environment.bytes);
     add(runtime, count, "intervals", objects,

@@ -10,8 +10,8 @@
 
 const char *al_pass_name(al_pass pass)
 {
-    static const char *const names[AL_PASS_COUNT] = {"composite", "translucent", "surface", "normal",
-                                                     "depth",     "intervals",   "unity"};
+    static const char *const names[AL_PASS_COUNT] = {
+        "composite", "translucent", "surface", "normal", "depth", "intervals", "unity", "direct-scattering"};
     return (unsigned)pass < AL_PASS_COUNT ? names[pass] : "unknown";
 }
 
@@ -47,6 +47,7 @@ static void unload(al_runtime *runtime)
     runtime->objects = NULL;
     runtime->sorted = NULL;
     al_model_free(runtime);
+    al_fog_free(runtime);
     al_gl_texture_free(&runtime->memory, &runtime->environment);
     runtime->environment_levels = 0;
     al_shadow_free(runtime);
@@ -76,6 +77,9 @@ static al_status check_scene(const char *path, const al_scene *scene, al_error *
     if (scene->light_count > AL_LIGHT_LIMIT)
         return al_fail(error, AL_BAD_INPUT, "%s: %u lights; the runtime draws at most %d", path,
                        scene->light_count, AL_LIGHT_LIMIT);
+    if (scene->fog_count > AL_FOG_LIMIT)
+        return al_fail(error, AL_BAD_INPUT, "%s: %u fogs; the runtime draws at most %d", path,
+                       scene->fog_count, AL_FOG_LIMIT);
     for (uint32_t i = 0; i < scene->translucent_count; i++) {
         const al_translucent_object *object = &scene->translucents[i];
         if (!al_matrix_is_rigid(scene->instances[object->instance].world, 1e-3))
@@ -103,6 +107,7 @@ static al_status start(al_runtime *runtime, const char *folder, al_error *error)
     al_gl_reset_state();
     al_status status = al_model_create(runtime, error);
     if (!status) status = al_environment_upload(runtime, error);
+    if (!status) status = al_fog_create(runtime, error);
     if (!status) status = al_loader_create(folder, &runtime->scene, &runtime->loader, error);
     runtime->loaded = !status;
     return status;
@@ -137,6 +142,29 @@ al_status al_runtime_load(al_runtime *runtime, const char *folder, al_error *err
     return status;
 }
 
+/* Uploads a part of what has arrived; *done when nothing of it is left. */
+static al_status accept(al_runtime *runtime, uint64_t *budget, bool *done, al_error *error)
+{
+    const al_arrival *arrival = &runtime->arrival;
+    *done = true;
+    switch (arrival->kind) {
+    case AL_ARRIVAL_OBJECT:
+    case AL_ARRIVAL_PAGE:
+        return al_object_accept(runtime, arrival, budget, done, error);
+    case AL_ARRIVAL_MEDIUM:
+    case AL_ARRIVAL_BRICKS:
+        return al_fog_accept(runtime, arrival, budget, done, error);
+    case AL_ARRIVAL_FAILURE:
+        if (arrival->asset == AL_KIND_TRANSLUCENT) runtime->objects[arrival->object].failed = true;
+        if (arrival->asset == AL_KIND_MEDIUM) al_fog_fail(runtime, arrival->object);
+        return al_fail(error, arrival->error.status, "%s", arrival->error.message);
+    case AL_ARRIVAL_END:
+        runtime->ended = true;
+        break;
+    }
+    return AL_OK;
+}
+
 static void fill_state(const al_runtime *runtime, al_load_state *state)
 {
     *state = (al_load_state){.ready = runtime->loaded};
@@ -162,7 +190,7 @@ al_status al_runtime_update(al_runtime *runtime, uint64_t byte_budget, al_load_s
             runtime->arrived = 0;
         }
         if (!runtime->arriving) break;
-        status = al_object_accept(runtime, &runtime->arrival, &left, &done, error);
+        status = accept(runtime, &left, &done, error);
         if (done) runtime->arriving = false;
     }
     if (state) fill_state(runtime, state);

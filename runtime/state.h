@@ -10,6 +10,7 @@
 
 enum {
     AL_LIGHT_LIMIT = 64,
+    AL_FOG_LIMIT = 8,
     AL_CASTER_LIMIT = 8,  /* translucent objects that shadow others; further ones do not */
     AL_TILE_WIDTH = 2048, /* larger views are drawn in tiles, so that targets stay below 400 MiB */
     AL_TILE_HEIGHT = 1088,
@@ -18,8 +19,9 @@ enum {
     AL_PLAN_LIMIT = 16
 };
 
-/* Texture units of shaders/: the first two and the last eight keep their texture through a frame. */
-enum { AL_UNIT_SHADOW = 0, AL_UNIT_ENVIRONMENT = 1, AL_UNIT_PASS = 2, AL_UNIT_CASTERS = 8 };
+/* Texture units of shaders/: the first two and the last eight keep their texture through a frame, and that of
+ * the fog where a pass does not need it otherwise. */
+enum { AL_UNIT_SHADOW = 0, AL_UNIT_ENVIRONMENT = 1, AL_UNIT_PASS = 2, AL_UNIT_FOG = 7, AL_UNIT_CASTERS = 8 };
 
 /* shaders/frame.glsl */
 typedef struct al_light_block {
@@ -47,6 +49,37 @@ typedef struct al_object_block {
     float environment[AL_ENVIRONMENT_ORDER * AL_ENVIRONMENT_ORDER][4];
 } al_object_block;
 _Static_assert(sizeof(al_object_block) == 128 + 96 + 7 * 16 + 32 + 1024, "std140");
+
+/* shaders/fogs.glsl */
+typedef struct al_fog_entry {
+    float to_index[16], low[4], extent[4], sigma_t[4], sigma_s[4];
+    int32_t size[4], cells[4];
+    float march[4];
+} al_fog_entry;
+
+typedef struct al_fog_block {
+    int32_t counts[4], atlas[4];
+    float texel[4];
+    al_fog_entry fogs[AL_FOG_LIMIT];
+} al_fog_block;
+_Static_assert(sizeof(al_fog_block) == 48 + 8 * (64 + 7 * 16), "std140");
+
+typedef struct al_fog_medium { /* of one al_scene.fogs whose density varies */
+    bool present, failed;
+    al_medium_info info;
+    al_medium_frame frame;
+    uint32_t first_brick, loaded; /* in the atlas; bricks on the GPU */
+    uint64_t first_cell;
+} al_fog_medium;
+
+typedef struct al_fogs {
+    al_fog_medium *media; /* [scene.fog_count] */
+    al_gl_buffer constants, cells;
+    al_gl_texture bricks;
+    int32_t atlas[3];   /* bricks along its axes */
+    bool drawn;         /* in the frame being drawn */
+    al_fog_block block; /* of that frame */
+} al_fogs;
 
 typedef struct al_model_mesh {
     GLuint vertex_array;
@@ -89,8 +122,10 @@ typedef struct al_targets {                  /* of one tile */
     al_gl_texture radiance, geometry, depth; /* opaque surfaces, then everything */
     al_gl_texture boundary, reflection;      /* of one translucent object */
     al_gl_texture ends, knots, light;
+    al_gl_texture fog_light, fog_kept; /* of the fog in front of one translucent object */
     al_gl_texture host; /* the host's own picture */
-    GLuint scene_framebuffer, radiance_framebuffer, boundary_framebuffer, light_framebuffer, host_framebuffer;
+    GLuint scene_framebuffer, radiance_framebuffer, boundary_framebuffer, light_framebuffer, host_framebuffer,
+        fog_framebuffer;
 } al_targets;
 
 struct al_runtime {
@@ -102,12 +137,13 @@ struct al_runtime {
     al_loader *loader;
     al_arrival arrival; /* being uploaded */
     bool arriving;
-    uint32_t arrived; /* samples of the arriving page on the GPU */
+    uint32_t arrived; /* samples or bricks of the arriving page on the GPU */
     al_model model;
     al_gl_texture environment;
     uint32_t environment_levels;
     al_object *objects; /* [scene.translucent_count] */
     uint32_t *sorted;   /* their indices, far to near, in the frame being drawn */
+    al_fogs fogs;
     al_shadow_maps shadow;
     al_targets targets;
     al_timing timing;
@@ -149,10 +185,25 @@ void al_environment_for_object(const al_draw *draw, al_object *object);
  * when nothing of it is left. */
 al_status al_object_accept(al_runtime *runtime, const al_arrival *arrival, uint64_t *budget, bool *done,
                            al_error *error);
+/* How many units of `size` bytes fit the budget, at least one and at most `left`; takes them off. */
+uint64_t al_budget_share(uint64_t *budget, uint64_t size, uint64_t left);
 void al_object_free(al_runtime *runtime, al_object *object);
 uint64_t al_object_coefficient_size(const al_translucent_info *info); /* bytes per sample */
 /* Fills draw->block's casters and every object's block, prefix, order and place in view; sorts. */
 void al_objects_prepare(al_draw *draw);
+
+/* fog.c */
+al_status al_fog_create(al_runtime *runtime, al_error *error); /* nothing where the scene has no fog */
+al_status al_fog_accept(al_runtime *runtime, const al_arrival *arrival, uint64_t *budget, bool *done,
+                        al_error *error);
+void al_fog_fail(al_runtime *runtime, uint32_t index);
+void al_fog_free(al_runtime *runtime);
+/* Chooses what the frame draws and binds it for every pass. */
+void al_fog_prepare(al_draw *draw);
+const char *al_fog_define(const al_draw *draw); /* of shaders that attenuate light by the fogs; "" without */
+al_status al_fog_draw(al_draw *draw);           /* over the opaque surfaces */
+al_status al_fog_draw_front(al_draw *draw);     /* up to the boundary of one translucent object */
+uint64_t al_fog_bytes(const al_runtime *runtime);
 
 /* shadow.c: fills draw->block's lights */
 al_status al_shadow_draw(al_draw *draw);

@@ -1,5 +1,6 @@
 /* Background and opaque instances, then the boundary of one translucent object. */
 #include <math.h>
+#include <stdio.h>
 
 #include "state.h"
 
@@ -106,7 +107,8 @@ al_status al_surface_draw(al_draw *draw)
     glScissor(0, 0, draw->tile[2], draw->tile[3]);
     al_status status = draw_background(draw);
     if (!status && (runtime->model.has_opaque || runtime->model.has_blockers)) {
-        status = al_shaders_get(runtime->shaders, "surface.vert surface.frag", "", &program, draw->error);
+        status = al_shaders_get(runtime->shaders, "surface.vert surface.frag", al_fog_define(draw), &program,
+                                draw->error);
         if (!status) {
             set_viewport(draw);
             glUseProgram(program);
@@ -132,8 +134,10 @@ al_status al_boundary_draw(al_draw *draw, al_object *object, uint32_t index)
     al_runtime *runtime = draw->runtime;
     const al_scene *scene = &runtime->scene;
     GLuint program, framebuffer = runtime->targets.boundary_framebuffer;
-    al_status status = al_shaders_get(runtime->shaders, "surface.vert surface.frag", "#define AL_BOUNDARY\n",
-                                      &program, draw->error);
+    char defines[64];
+    snprintf(defines, sizeof defines, "#define AL_BOUNDARY\n%s", al_fog_define(draw));
+    al_status status =
+        al_shaders_get(runtime->shaders, "surface.vert surface.frag", defines, &program, draw->error);
     if (status) return status;
     bool shade = (draw->settings.pass == AL_PASS_COMPOSITE || draw->settings.pass == AL_PASS_SURFACE) &&
                  !draw->settings.surface_off;

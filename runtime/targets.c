@@ -36,6 +36,11 @@ static al_status fit_object_targets(al_draw *draw)
     if (status) return status;
     attach(&t->boundary_framebuffer, t->reflection.id, t->boundary.id, t->depth.id);
     attach(&t->light_framebuffer, t->light.id, 0, 0);
+    if (!draw->runtime->scene.fog_count) return AL_OK;
+    status = fit(draw, GL_TEXTURE_2D, GL_RGBA32F, 1, &t->fog_light);
+    if (!status) status = fit(draw, GL_TEXTURE_2D, GL_RGBA16F, 1, &t->fog_kept);
+    if (status) return status;
+    attach(&t->fog_framebuffer, t->fog_light.id, t->fog_kept.id, 0);
     return AL_OK;
 }
 
@@ -59,10 +64,11 @@ al_status al_targets_fit(al_draw *draw)
 void al_targets_free(al_runtime *runtime)
 {
     al_targets *t = &runtime->targets;
-    al_gl_texture *const textures[] = {&t->radiance, &t->geometry, &t->depth, &t->boundary, &t->reflection,
-                                       &t->ends,     &t->knots,    &t->light, &t->host};
+    al_gl_texture *const textures[] = {&t->radiance,   &t->geometry,  &t->depth,   &t->boundary,
+                                       &t->reflection, &t->ends,      &t->knots,   &t->light,
+                                       &t->host,       &t->fog_light, &t->fog_kept};
     GLuint *const framebuffers[] = {&t->scene_framebuffer, &t->radiance_framebuffer, &t->boundary_framebuffer,
-                                    &t->light_framebuffer, &t->host_framebuffer};
+                                    &t->light_framebuffer, &t->host_framebuffer,     &t->fog_framebuffer};
     for (size_t i = 0; i < sizeof textures / sizeof textures[0]; i++)
         al_gl_texture_free(&runtime->memory, textures[i]);
     for (size_t i = 0; i < sizeof framebuffers / sizeof framebuffers[0]; i++)

@@ -4,7 +4,7 @@
 
 const char *al_stage_name(al_stage stage)
 {
-    static const char *const names[AL_STAGE_COUNT] = {"shadow",    "light", "surface",
+    static const char *const names[AL_STAGE_COUNT] = {"shadow",    "light", "surface",  "direct-scattering",
                                                       "intervals", "splat", "composite"};
     return names[stage];
 }

@@ -13,6 +13,7 @@ typedef enum al_stage {
     AL_STAGE_SHADOW,
     AL_STAGE_LIGHT,
     AL_STAGE_SURFACE,
+    AL_STAGE_FOG,
     AL_STAGE_INTERVALS,
     AL_STAGE_SPLAT,
     AL_STAGE_COMPOSITE,

@@ -19,6 +19,9 @@
 #include "formulas.glsl"
 #include "shadows.glsl"
 #include "object.glsl"
+#ifdef AL_FOG
+#include "fogs.glsl"
+#endif
 
 #ifndef AL_ORDER
 #define AL_ORDER 5
@@ -110,6 +113,9 @@ void main()
         if (toggles.z != 0 && arriving != vec3(0.0))
             arriving *= opaque_visibility(i, world, vec3(0.0)) *
                         translucent_visibility(world, direction, reach, sizes.z);
+#ifdef AL_FOG
+        arriving *= fog_transmittance(world, direction, reach, 64.0);
+#endif
         sum += arriving;
         slope += dot(arriving, ratio.rgb) * own;
     }

@@ -12,6 +12,10 @@ layout(binding = 4) uniform sampler2D boundary;
 layout(binding = 5) uniform sampler2D geometry;
 layout(binding = 6) uniform sampler2D light;      // the splats' sum
 layout(binding = 7) uniform sampler2D reflection; // rgb, F
+#ifdef AL_FOG // in front of the object: light that the fog sends, what it leaves of the light behind it
+layout(binding = 2, rgba32f) readonly uniform image2D fog_light;
+layout(binding = 3, rgba16f) readonly uniform image2D fog_kept;
+#endif
 layout(location = 0) uniform ivec4 choice; // al_pass; 1: view leg by SH
 
 layout(location = 0, index = 0) out vec4 added;
@@ -41,6 +45,12 @@ void main()
     case 0: // composite
         added.rgb = scattered(place, end) * (1.0 - mirrored.a) + mirrored.rgb;
         kept.rgb *= 1.0 - mirrored.a;
+#ifdef AL_FOG
+        // What lies behind is seen through all of the fog already: of that, the object takes away what comes
+        // from behind it, but not the fog before it.
+        added.rgb = imageLoad(fog_kept, place).rgb * added.rgb +
+                    (1.0 - kept.rgb) * imageLoad(fog_light, place).rgb;
+#endif
         break;
     case 1: // translucent
         added.rgb = scattered(place, end);
@@ -61,6 +71,12 @@ void main()
         kept = vec4(end.x < end.y ? 0.0 : 1.0);
         if (end.x < end.y)
             added.rgb = vec3(end.x, texelFetch(knots, ivec3(place, 0), 0).xy);
+        break;
+    case 7: // direct scattering
+        kept.rgb *= 1.0 - mirrored.a;
+#ifdef AL_FOG
+        added.rgb = (1.0 - kept.rgb) * imageLoad(fog_light, place).rgb;
+#endif
         break;
     default: // unity
         kept = vec4(end.x < end.y ? 0.0 : 1.0);

@@ -5,6 +5,9 @@
 
 #include "shadows.glsl"
 #include "environment.glsl"
+#ifdef AL_FOG
+#include "fogs.glsl"
+#endif
 
 struct Surface {
     vec3 position, normal, view; // world; view: unit direction to the eye
@@ -57,6 +60,9 @@ vec3 shade_lights(Surface s, bool shadows)
             part *= opaque_visibility(i, s.position, s.normal);
             part *= translucent_visibility(s.position, direction, reach, s.own_caster);
         }
+#ifdef AL_FOG
+        part *= fog_transmittance(s.position, direction, reach, 64.0);
+#endif
         sum += part;
     }
     return sum;

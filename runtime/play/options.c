@@ -10,9 +10,9 @@
 /* What the parser writes to before it becomes settings. */
 typedef struct raw_options {
     const char *pass, *view_leg;
-    int samples, sh_order, intervals;
+    int samples, sh_order, intervals, fog_steps;
     double march_step;
-    bool no_surface, no_background, no_clip, no_normalise, no_shadows, no_lod;
+    bool no_surface, no_background, no_clip, no_normalise, no_shadows, no_lod, no_fog;
 } raw_options;
 
 static int refuse(const al_program *program, const char *format, ...) AL_PRINTF(2, 3);
@@ -76,6 +76,8 @@ static int apply(const al_program *program, const raw_options *raw, al_play_opti
     s->normalise_off = raw->no_normalise;
     s->shadows_off = raw->no_shadows;
     s->detail_off = raw->no_lod;
+    s->fog_off = raw->no_fog;
+    s->fog_steps = (uint32_t)raw->fog_steps;
     options->headless |= options->plan;
     int code = set_pass(program, raw->pass, &s->pass);
     if (code < 0) code = set_view_leg(program, raw->view_leg, &s->view_leg);
@@ -122,6 +124,9 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
          "do not divide by the sum of the Gaussians", 0, 0},
         {"--no-shadows", NULL, AL_OPTION_FLAG, &raw.no_shadows, "no shadow maps, no tinted shadows", 0, 0},
         {"--no-lod", NULL, AL_OPTION_FLAG, &raw.no_lod, "all samples at any distance", 0, 0},
+        {"--no-fog", NULL, AL_OPTION_FLAG, &raw.no_fog, "clear air", 0, 0},
+        {"--fog-steps", "N", AL_OPTION_INT, &raw.fog_steps,
+         "cells along a ray through fog, for each light (32)", 1, 1024},
     };
     program->options = table;
     program->option_count = sizeof table / sizeof table[0];

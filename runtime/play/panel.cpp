@@ -13,6 +13,7 @@ static const char *const keys_text = "left drag      orbit\n"
                                      "F              show everything\n"
                                      "1 to 9         the scene's cameras\n"
                                      "+ -            exposure\n"
+                                     "G              fog on, off\n"
                                      "P              screenshot (EXR and PNG)\n"
                                      "Tab            panel on, off\n"
                                      "H              this list\n"
@@ -139,6 +140,8 @@ static void show_quality(al_panel_state *state)
     if (ImGui::SliderInt("knots", &intervals, 4, 32)) s->interval_count = (uint32_t)intervals;
     float step = s->march_voxels > 0 ? s->march_voxels : 0.5f;
     if (ImGui::SliderFloat("march step, voxels", &step, 0.05f, 4)) s->march_voxels = step;
+    int cells = (int)(s->fog_steps ? s->fog_steps : 32);
+    if (ImGui::SliderInt("fog, cells a ray", &cells, 1, 256)) s->fog_steps = (uint32_t)cells;
     const struct {
         const char *label;
         bool *off;
@@ -147,7 +150,8 @@ static void show_quality(al_panel_state *state)
                  {"divide by the sum of Gaussians", &s->normalise_off},
                  {"shadows", &s->shadows_off},
                  {"level of detail", &s->detail_off},
-                 {"background", &s->background_off}};
+                 {"background", &s->background_off},
+                 {"fog", &s->fog_off}};
     for (const auto &part : parts) {
         bool on = !*part.off;
         if (ImGui::Checkbox(part.label, &on)) *part.off = !on;

@@ -131,9 +131,10 @@ static void test_plan(const char *folder)
         if (rows[i].needed) continue;
         unneeded++;
         CHECK(rows[i].bytes == 0 && rows[i].seconds == 0);
-        CHECK(strcmp(rows[i].step, "shadow") == 0 || strcmp(rows[i].step, "environment") == 0);
+        CHECK(strcmp(rows[i].step, "shadow") == 0 || strcmp(rows[i].step, "environment") == 0 ||
+                  strcmp(rows[i].step, "direct-scattering") == 0);
     }
-    CHECK(unneeded == 2);
+    CHECK(unneeded == 3);
     uint32_t stages = al_runtime_times(runtime, times, 16);
     CHECK(stages >= 4);
     for (uint32_t i = 0; i < stages; i++) CHECK(times[i].ms >= 0 && times[i].ms < 60000);

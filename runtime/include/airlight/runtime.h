@@ -64,6 +64,7 @@ typedef enum al_pass {
     AL_PASS_DEPTH,         /* distance to the eye of the nearest surface, metres */
     AL_PASS_INTERVALS,     /* distances of the first three interval knots, metres */
     AL_PASS_UNITY,         /* the line integral of sum gamma over the chord: 1 where it sums to one */
+    AL_PASS_DIRECT_SCATTERING, /* light that the fog scatters once towards the eye, alone */
     AL_PASS_COUNT
 } al_pass;
 const char *al_pass_name(al_pass pass); /* "composite", "translucent", ... */
@@ -79,6 +80,8 @@ typedef struct al_settings {
     bool shadows_off;
     bool detail_off;         /* no level of detail by distance */
     bool background_off;     /* black instead of the environment */
+    bool fog_off;            /* the air is clear */
+    uint32_t fog_steps;      /* cells along a ray for each light, 0: 32; 1 to 1024 */
     uint32_t interval_count; /* knots of the interval map, 0: 16; 4 to 32 */
     float march_voxels;      /* step of the march in voxels, 0: 0.5 */
     al_pass pass;
