@@ -6,7 +6,8 @@
 // matters. The part of the chord in an interval adds J times
 //   (what T loses over the part) times (the mean of w exp(-a |x(t) - b|^2) over the part),
 // alpha the same with the reference transmittance and J = 1: summed over all samples, what the Gaussians
-// should have added up to and did not.
+// should have added up to and did not. J is taken at the middle of each part: it falls as fast as T, and J at
+// the chord's mean depth would be 1/e where the mean of J is 1/2.
 //
 // AL_VIEW_SH and AL_UNITY: the plain integral of the Gaussian over the chord, from the front surface on to
 // the opaque surface (unity: inside the medium); alpha is the integral itself, in m.
@@ -38,15 +39,6 @@ Share transmittance(float tau)
 #define Share float
 #endif
 
-float alpha_of(Share share)
-{
-#ifdef AL_CHROMATIC
-    return share.a;
-#else
-    return share;
-#endif
-}
-
 // The mean of exp(-x^2) between x0 <= x1, given the error function at both. Short spans by their middle,
 // where the difference would cancel: relative error below d^2 |4 m^2 - 2| / 24 = 1e-3 and only far out.
 float mean_gauss(float x0, float x1, float erf0, float erf1)
@@ -60,6 +52,12 @@ float mean_gauss(float x0, float x1, float erf0, float erf1)
 float overlap(float low, float high, float from, float to)
 {
     return high > low ? (to - from) / (high - low) : low >= from && low <= to ? 1.0 : 0.0;
+}
+
+// What J is over what it is at the sample, where its logarithm has grown by x; beyond e^2 it would be a guess.
+float growth(float x)
+{
+    return exp(clamp(x, -2.0, 2.0));
 }
 
 void main()
@@ -108,7 +106,8 @@ void main()
     low = c > 0 ? group[c - 1] : low;
     float here = clamp(low, ta, tb), x = shape.z * (here - middle), erf_x = al_erf(x);
     Share part = Share(0.0);
-    float moment = 0.0; // sum of shares times where they lie
+    Share lit = Share(0.0); // sum of shares times the growth of J
+    float along = dot(slope, direction), aside = dot(slope, across);
 #ifdef AL_CHROMATIC
     Share above = vec4(1.0);
     if (c > 0) above = transmittance(texelFetch(knots, ivec3(place, groups + j), 0)[c - 1]);
@@ -131,7 +130,7 @@ void main()
             float share = mean * step;
 #endif
             part += share;
-            moment += alpha_of(share) * (here + next);
+            lit += share * growth(along * (0.5 * (here + next) - middle) - aside);
             low = high;
             here = next;
             x = next_x;
@@ -160,17 +159,13 @@ void main()
 #endif
         share *= mean_gauss(x, next_x, erf_x, al_erf(next_x));
         part += share;
-        moment += alpha_of(share) * (here + to);
+        lit += share * growth(along * (0.5 * (here + to) - middle) - aside);
         break;
     }
-    // The light where the shares lie on the mean; beyond e^2 times the sample's own it would be a guess.
-    float mean_t = 0.5 * moment / max(alpha_of(part), 1e-30) - middle;
-    vec3 here_light = light * exp(clamp(dot(slope, mean_t * direction - across), -2.0, 2.0));
-    part *= profile;
 #ifdef AL_CHROMATIC
-    sum = vec4(here_light * part.rgb, part.a);
+    sum = profile * vec4(light * lit.rgb, part.a);
 #else
-    sum = vec4(here_light, 1.0) * part;
+    sum = profile * vec4(light * lit, part);
 #endif
 #endif
 }
