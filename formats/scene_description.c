@@ -246,7 +246,7 @@ typedef struct point_fields {
 
 typedef struct bake_fields {
     double directions, grid_resolution, samples, radius_m, sh_order, seed;
-    char *coefficient_format;
+    char *coefficient_format, *too_dense;
 } bake_fields;
 
 typedef struct play_fields {
@@ -409,6 +409,7 @@ static const al_scene_key keys[] = {
     INTEGER(bake, sh_order, 1, 8),
     CHOICE(bake, coefficient_format, false, "float|half|byte"),
     INTEGER(bake, seed, 0, UINT32_MAX),
+    CHOICE(bake, too_dense, false, "refuse|bake"),
 
     NUMBER(play, exposure_ev, -30, 30),
     TRIPLE(play, background, 0, BRIGHT),
@@ -1022,9 +1023,9 @@ static al_status read_environment(const node *place, al_scene_description *out, 
 al_bake_settings al_bake_settings_for(al_quality quality)
 {
     static const al_bake_settings settings[] = {
-        [AL_QUALITY_PREVIEW] = {128, 32, 5000, 0, 5, AL_COEFFICIENT_HALF, 0},
-        [AL_QUALITY_MEDIUM] = {128, 64, 20000, 0, 5, AL_COEFFICIENT_HALF, 0},
-        [AL_QUALITY_FINAL] = {512, 128, 50000, 0, 8, AL_COEFFICIENT_HALF, 0}};
+        [AL_QUALITY_PREVIEW] = {128, 32, 5000, 0, 5, AL_COEFFICIENT_HALF, 0, AL_TOO_DENSE_REFUSE},
+        [AL_QUALITY_MEDIUM] = {128, 64, 20000, 0, 5, AL_COEFFICIENT_HALF, 0, AL_TOO_DENSE_REFUSE},
+        [AL_QUALITY_FINAL] = {512, 128, 50000, 0, 8, AL_COEFFICIENT_HALF, 0, AL_TOO_DENSE_REFUSE}};
     return settings[quality];
 }
 
@@ -1036,6 +1037,7 @@ static al_status read_bake(const node *place, al_bake_settings *bake, al_error *
                      bake->radius_m,
                      bake->sh_order,
                      bake->seed,
+                     NULL,
                      NULL};
     if (!place->value) return AL_OK;
     al_status status = read_object(place, "bake", &f, error);
@@ -1055,6 +1057,7 @@ static al_status read_bake(const node *place, al_bake_settings *bake, al_error *
         bake->coefficient_format = *f.coefficient_format == 'f'   ? AL_COEFFICIENT_FLOAT
                                    : *f.coefficient_format == 'h' ? AL_COEFFICIENT_HALF
                                                                   : AL_COEFFICIENT_BYTE;
+    if (f.too_dense) bake->too_dense = *f.too_dense == 'b' ? AL_TOO_DENSE_BAKE : AL_TOO_DENSE_REFUSE;
     return AL_OK;
 }
 

@@ -223,9 +223,10 @@ static al_status compute_rho(work *w, al_checkpoint *checkpoint, al_error *error
     return status;
 }
 
-/* Light enters a dense medium by about one mean free path. Samples see that skin only where they are as dense:
- * on a sphere of 5000 samples pictures kept 0.88 of their light where the mean free path was 0.57 of the base
- * radius r, 0.48 at 0.19 of it and 0.15 at 0.06. */
+/* Light enters a dense medium by about one mean free path. Samples see that skin only where they are as
+ * dense: where the mean free path is the base radius r, pictures of a sphere err by an eighth, at a tenth of
+ * it by nearly half (docs/accuracy.md). The count goes with the inverse cube of r; a tenth is added because r
+ * is met only nearly. */
 static al_status check_skin(const work *w, al_error *error)
 {
     double density = 0, count = 0;
@@ -236,17 +237,16 @@ static al_status check_skin(const work *w, al_error *error)
     }
     double extinction = w->sigma_mean * density / count, radius = w->samples.radius_m;
     if (extinction * radius < 1) return AL_OK;
-    double needed = w->samples.count * pow(2 * extinction * radius, 3);
-    if (extinction * radius > 10)
+    double needed = ceil(1.1 * w->samples.count * pow(extinction * radius, 3));
+    if (w->settings->too_dense == AL_TOO_DENSE_REFUSE)
         return al_fail(error, AL_BAD_INPUT,
-                       "translucent '%s': its mean free path of %.3g m is too short for samples %.3g m "
-                       "apart, which would "
-                       "stay dark; give it %.2g samples or a thinner medium, or make it an opaque mesh",
+                       "translucent '%s': its mean free path of %.3g m is too short for samples of base "
+                       "radius %.3g m; \"samples\" of about %.0f in \"bake\", a thinner medium or an opaque "
+                       "mesh is right, or \"too_dense\": \"bake\" to have it wrong",
                        w->object->name, 1 / extinction, radius, needed);
     al_program_say(w->options->program,
-                   "translucent '%s' will look too dark: its mean free path of %.3g m is shorter than the "
-                   "samples' distance "
-                   "of %.3g m; about %.2g samples would resolve it",
+                   "translucent '%s' will look wrong: its mean free path of %.3g m is shorter than the "
+                   "samples' base radius of %.3g m; about %.0f samples would resolve it",
                    w->object->name, 1 / extinction, radius, needed);
     return AL_OK;
 }

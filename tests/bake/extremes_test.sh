@@ -55,8 +55,15 @@ for size in 1e-4 1 1e4; do
 done
 scene 1 '"sigma_s_per_m": 1e4, "sigma_a_per_m": 0' "$plain"
 refused "tau 1e4" "mean free path"
-scene 1 '"sigma_s_per_m": 40, "sigma_a_per_m": 0' "$plain"
-right "tau 40" 40 1e-6
+scene 1 '"sigma_s_per_m": 40, "sigma_a_per_m": 0' "$plain, \"too_dense\": \"bake\""
+right "tau 40, asked for" 40 1e-6
+
+# Just too dense: refused with a count of samples that is not.
+scene 1 '"sigma_s_per_m": 12, "sigma_a_per_m": 0' "$plain"
+refused "tau 12" "mean free path"
+count=$(sed -n 's/.*"samples" of about \([0-9]*\).*/\1/p' "$work/stderr")
+scene 1 '"sigma_s_per_m": 12, "sigma_a_per_m": 0' '"directions": 64, "grid_resolution": 32, "sh_order": 3, "samples": '"$count"
+right "tau 12, $count samples" 12 1e-6
 
 # Albedo and phase function do not touch the transmittance.
 for albedo in 0 0.999999 1; do
@@ -71,8 +78,11 @@ scene 1 '"sigma_s_per_m": 0, "sigma_a_per_m": 0' "$plain"
 refused "no extinction" sigma_s_per_m
 
 # Counts.
-scene 1 '"sigma_s_per_m": 1, "sigma_a_per_m": 0' '"directions": 64, "grid_resolution": 32, "samples": 1, "sh_order": 1'
-right "one sample" 1 1e-6
+one='"directions": 64, "grid_resolution": 32, "samples": 1, "sh_order": 1'
+scene 1 '"sigma_s_per_m": 1, "sigma_a_per_m": 0' "$one"
+refused "one sample" "mean free path"
+scene 1 '"sigma_s_per_m": 1, "sigma_a_per_m": 0' "$one, \"too_dense\": \"bake\""
+right "one sample, asked for" 1 1e-6
 scene 1 '"sigma_s_per_m": 1, "sigma_a_per_m": 0' '"directions": 2, "grid_resolution": 32, "samples": 200, "sh_order": 1'
 right "two directions" 1 1e-6
 scene 1 '"sigma_s_per_m": 1e-6, "sigma_a_per_m": 0' '"directions": 32, "grid_resolution": 1, "samples": 10, "sh_order": 2'

@@ -252,7 +252,7 @@ static const char everything[] =
     " \"fogs\": [\"w\"],\n"
     " \"lightmap\": {\"walls\": \"traced\", \"uv\": \"atlas\", \"samples\": 7, \"back_scatter\": true},\n"
     " \"probes\": {\"order\": 4, \"points\": [{\"position_m\": [1, 2, 3]}]},\n"
-    " \"bake\": {\"directions\": 64, \"radius_m\": 0.25, \"coefficient_format\": \"byte\"},\n"
+    " \"bake\": {\"directions\": 64, \"radius_m\": 0.25, \"coefficient_format\": \"byte\", \"too_dense\": \"bake\"},\n"
     " \"play\": {\"exposure_ev\": -2, \"background\": 0.5}}";
 
 static void check_meshes(const al_scene_description *s)
@@ -317,7 +317,7 @@ static void test_values(void)
     CHECK(s->translucents[0].blocker_count == 1 && strcmp(s->translucents[0].blockers[0], "b") == 0);
     CHECK(s->bake.directions == 64 && s->bake.samples == 0 && s->bake.radius_m == 0.25);
     CHECK(s->bake.grid_resolution == 128 && s->bake.sh_order == 8 &&
-          s->bake.coefficient_format == AL_COEFFICIENT_BYTE);
+          s->bake.coefficient_format == AL_COEFFICIENT_BYTE && s->bake.too_dense == AL_TOO_DENSE_BAKE);
     CHECK(s->play.exposure_ev == -2 && s->play.background[1] == 0.5f);
     al_scene_description_free(s);
 }

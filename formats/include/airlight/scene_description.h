@@ -82,6 +82,9 @@ typedef struct al_environment_description {
     int line;
 } al_environment_description;
 
+/* A medium whose mean free path is shorter than the samples' base radius. */
+typedef enum al_too_dense { AL_TOO_DENSE_REFUSE = 0, AL_TOO_DENSE_BAKE = 1 } al_too_dense;
+
 typedef struct al_bake_settings {
     uint32_t directions;     /* even, 2 to 4096 */
     uint32_t grid_resolution;/* voxels along the longest axis of the boundary's box, 1 to 512 */
@@ -90,6 +93,7 @@ typedef struct al_bake_settings {
     uint32_t sh_order;       /* 1 to 8 */
     uint32_t coefficient_format; /* al_coefficient_format */
     uint32_t seed;
+    al_too_dense too_dense;
 } al_bake_settings;
 
 /* How a lightmap or probe ray's response is kept from passing through walls: docs/methods.md. */
