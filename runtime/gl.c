@@ -10,6 +10,10 @@ static uint32_t texel_size(GLenum format)
         return 2;
     case GL_RGBA32F:
         return 16;
+    case GL_RGB32F:
+        return 12;
+    case GL_RGB16F:
+        return 6;
     case GL_RG32F:
     case GL_RGBA16F:
         return 8;

@@ -14,6 +14,8 @@ typedef struct asset {
     al_translucent_info info;
     al_medium_info medium;
     al_medium_frame frame;
+    al_lightmap_info lightmap;
+    al_lightmap_instance *instances;
     uint32_t next_page, page_count;
     bool open; /* pages are still to come */
 } asset;
@@ -77,6 +79,25 @@ static void open_medium(asset *a, al_arrival *arrival)
     a->page_count = status ? 0 : al_medium_page_count(&a->medium, &a->frame);
 }
 
+static void open_lightmap(asset *a, al_arrival *arrival)
+{
+    al_status status = al_lightmap_read(a->file, &a->lightmap, &arrival->error);
+    if (!status) a->instances = calloc(a->lightmap.instance_count + (size_t)1, sizeof *a->instances);
+    if (!status && !a->instances)
+        status = al_fail(&arrival->error, AL_IO, "%s: no memory for its instances", a->path);
+    if (!status) status = al_lightmap_read_instances(a->file, &a->lightmap, a->instances, &arrival->error);
+    arrival->lightmap = a->lightmap;
+    arrival->instances = a->instances;
+    arrival->kind = status ? AL_ARRIVAL_FAILURE : AL_ARRIVAL_LIGHTMAP;
+    a->page_count = status ? 0 : a->lightmap.page_count;
+}
+
+static void open_probes(asset *a, al_arrival *arrival)
+{
+    bool failed = al_probes_read(a->file, &arrival->probes, &arrival->error) != AL_OK;
+    arrival->kind = failed ? AL_ARRIVAL_FAILURE : AL_ARRIVAL_PROBES;
+}
+
 static void open_asset(asset *a, al_arrival *arrival)
 {
     al_open_options options = {.kind = a->kind};
@@ -84,6 +105,10 @@ static void open_asset(asset *a, al_arrival *arrival)
         arrival->kind = AL_ARRIVAL_FAILURE;
     else if (a->kind == AL_KIND_MEDIUM)
         open_medium(a, arrival);
+    else if (a->kind == AL_KIND_LIGHTMAP)
+        open_lightmap(a, arrival);
+    else if (a->kind == AL_KIND_PROBES)
+        open_probes(a, arrival);
     else
         open_object(a, arrival);
     a->open = a->page_count > 0;
@@ -91,12 +116,20 @@ static void open_asset(asset *a, al_arrival *arrival)
 
 static void read_page(asset *a, al_arrival *arrival)
 {
-    bool bricks = a->kind == AL_KIND_MEDIUM;
     uint32_t page = a->next_page++;
-    al_status status =
-        bricks ? al_medium_read_page(a->file, &a->medium, 0, page, &arrival->bricks, &arrival->error)
-               : al_translucent_read_page(a->file, &a->info, page, &arrival->page, &arrival->error);
-    arrival->kind = status ? AL_ARRIVAL_FAILURE : bricks ? AL_ARRIVAL_BRICKS : AL_ARRIVAL_PAGE;
+    al_status status;
+    if (a->kind == AL_KIND_MEDIUM) {
+        arrival->kind = AL_ARRIVAL_BRICKS;
+        status = al_medium_read_page(a->file, &a->medium, 0, page, &arrival->bricks, &arrival->error);
+    } else if (a->kind == AL_KIND_LIGHTMAP) {
+        arrival->kind = AL_ARRIVAL_TEXELS;
+        arrival->texels_index = page;
+        status = al_lightmap_read_page(a->file, &a->lightmap, page, &arrival->texels, &arrival->error);
+    } else {
+        arrival->kind = AL_ARRIVAL_PAGE;
+        status = al_translucent_read_page(a->file, &a->info, page, &arrival->page, &arrival->error);
+    }
+    if (status) arrival->kind = AL_ARRIVAL_FAILURE;
     a->open = !status && a->next_page < a->page_count;
 }
 
@@ -159,12 +192,15 @@ al_status al_loader_create(const char *folder, const al_scene *scene, al_loader 
     if (!made) return al_fail(error, AL_IO, "%s: no memory for the loader", folder);
     pthread_mutex_init(&made->lock, NULL);
     pthread_cond_init(&made->room, NULL);
-    made->assets = calloc((size_t)scene->translucent_count + scene->fog_count + 1, sizeof *made->assets);
+    made->assets = calloc((size_t)scene->translucent_count + scene->fog_count + 3, sizeof *made->assets);
     bool good = made->assets != NULL;
     for (uint32_t i = 0; i < scene->translucent_count && good; i++)
         good = add_asset(made, folder, scene->translucents[i].asset, AL_KIND_TRANSLUCENT, i);
     for (uint32_t i = 0; i < scene->fog_count && good; i++)
         if (*scene->fogs[i].asset) good = add_asset(made, folder, scene->fogs[i].asset, AL_KIND_MEDIUM, i);
+    if (good && *scene->baked.lightmap)
+        good = add_asset(made, folder, scene->baked.lightmap, AL_KIND_LIGHTMAP, 0);
+    if (good && *scene->baked.probes) good = add_asset(made, folder, scene->baked.probes, AL_KIND_PROBES, 0);
     if (good) made->started = pthread_create(&made->thread, NULL, run, made) == 0;
     if (!made->started) {
         al_loader_free(made);
@@ -187,6 +223,7 @@ void al_loader_free(al_loader *loader)
     for (uint32_t i = 0; i < loader->asset_count; i++) {
         if (loader->assets[i].file) al_file_close(loader->assets[i].file);
         free(loader->assets[i].path);
+        free(loader->assets[i].instances);
     }
     free(loader->assets);
     pthread_cond_destroy(&loader->room);

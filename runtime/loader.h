@@ -6,6 +6,7 @@
 #include <stdbool.h>
 
 #include "airlight/medium.h"
+#include "airlight/probes.h"
 #include "airlight/scene.h"
 #include "airlight/translucent.h"
 
@@ -16,6 +17,9 @@ typedef enum al_arrival_kind {
     AL_ARRIVAL_PAGE,
     AL_ARRIVAL_MEDIUM,  /* info and index of bricks of a fog's first frame */
     AL_ARRIVAL_BRICKS,  /* a page of them */
+    AL_ARRIVAL_LIGHTMAP, /* info and instances */
+    AL_ARRIVAL_TEXELS,   /* a page of them */
+    AL_ARRIVAL_PROBES,   /* all of them */
     AL_ARRIVAL_FAILURE, /* of this asset: nothing more of it comes */
     AL_ARRIVAL_END      /* all there is has arrived */
 } al_arrival_kind;
@@ -31,6 +35,11 @@ typedef struct al_arrival {
     al_medium_info medium;
     al_medium_frame frame;
     al_medium_page bricks;
+    al_lightmap_info lightmap;
+    const al_lightmap_instance *instances; /* [lightmap.instance_count] */
+    uint32_t texels_index;                 /* of the page */
+    al_lightmap_page texels;
+    al_probes probes;
     al_error error;
 } al_arrival;
 

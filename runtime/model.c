@@ -37,6 +37,34 @@ static void make_vertex_array(al_model_mesh *out)
     }
 }
 
+/* The second UV set as attribute 3, for meshes that an instance with a lightmap shows. */
+static al_status upload_uv1(al_runtime *runtime, const al_mesh *mesh, al_model_mesh *out, al_error *error)
+{
+    const uint64_t stride = 2 * sizeof(float);
+    al_status status =
+        al_gl_buffer_create(&runtime->memory, mesh->vertex_count * stride, mesh->uv1, &out->uv1, error);
+    if (status) return status;
+    glVertexArrayVertexBuffer(out->vertex_array, 1, out->uv1.id, 0, (GLsizei)stride);
+    glEnableVertexArrayAttrib(out->vertex_array, 3);
+    glVertexArrayAttribFormat(out->vertex_array, 3, 2, GL_FLOAT, GL_FALSE, 0);
+    glVertexArrayAttribBinding(out->vertex_array, 3, 1);
+    return AL_OK;
+}
+
+static al_status upload_second_sets(al_runtime *runtime, al_error *error)
+{
+    const al_scene *scene = &runtime->scene;
+    al_status status = AL_OK;
+    for (uint32_t i = 0; i < scene->instance_count && *scene->baked.lightmap && !status; i++) {
+        const al_instance *instance = &scene->instances[i];
+        al_model_mesh *mesh = &runtime->model.meshes[instance->mesh];
+        if (instance->lighting == AL_LIGHTING_LIGHTMAP && scene->meshes[instance->mesh].uv1 &&
+            mesh->vertex_array && !mesh->uv1.id)
+            status = upload_uv1(runtime, &scene->meshes[instance->mesh], mesh, error);
+    }
+    return status;
+}
+
 static al_status upload_mesh(al_runtime *runtime, const al_mesh *mesh, al_model_mesh *out, al_error *error)
 {
     uint64_t size = (uint64_t)mesh->vertex_count * VERTEX_FLOATS * sizeof(float);
@@ -87,6 +115,7 @@ al_status al_model_create(al_runtime *runtime, al_error *error)
     model->texture_count = scene->texture_count;
     for (uint32_t i = 0; i < scene->mesh_count && !status; i++)
         status = upload_mesh(runtime, &scene->meshes[i], &model->meshes[i], error);
+    if (!status) status = upload_second_sets(runtime, error);
     for (uint32_t i = 0; i < scene->texture_count && !status; i++)
         status = upload_texture(runtime, &scene->textures[i], &model->textures[i], error);
     model->has_opaque = model->has_blockers = false;
@@ -104,6 +133,7 @@ void al_model_free(al_runtime *runtime)
         if (model->meshes[i].vertex_array) glDeleteVertexArrays(1, &model->meshes[i].vertex_array);
         al_gl_buffer_free(&runtime->memory, &model->meshes[i].vertices);
         al_gl_buffer_free(&runtime->memory, &model->meshes[i].indices);
+        al_gl_buffer_free(&runtime->memory, &model->meshes[i].uv1);
     }
     for (uint32_t i = 0; i < model->texture_count; i++)
         al_gl_texture_free(&runtime->memory, &model->textures[i]);

@@ -45,6 +45,12 @@ const al_plan_row *al_runtime_plan(al_runtime *runtime, uint32_t *count)
         object_bytes(runtime, false));
     add(runtime, count, "surface", true, opaque ? "opaque objects" : "background and boundaries",
         ms[AL_STAGE_SURFACE], target_bytes(runtime, false));
+    bool lightmap = *scene->baked.lightmap != 0, probes = *scene->baked.probes != 0;
+    add(runtime, count, "lightmap", lightmap,
+        lightmap ? "meshes lit by their lightmap alone" : "no mesh has a lightmap", 0,
+        al_lightmap_bytes(runtime));
+    add(runtime, count, "probes", probes,
+        probes ? "moving meshes take indirect light from probes" : "no probes", 0, 0);
     add(runtime, count, "direct-scattering", scene->fog_count > 0,
         scene->fog_count ? "fog scatters light towards the eye and hides what lies behind" : "no fog",
         ms[AL_STAGE_FOG], al_fog_bytes(runtime));

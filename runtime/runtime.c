@@ -48,6 +48,8 @@ static void unload(al_runtime *runtime)
     runtime->sorted = NULL;
     al_model_free(runtime);
     al_fog_free(runtime);
+    al_lightmap_free(runtime);
+    al_probes_free(runtime);
     al_gl_texture_free(&runtime->memory, &runtime->environment);
     runtime->environment_levels = 0;
     al_shadow_free(runtime);
@@ -154,6 +156,11 @@ static al_status accept(al_runtime *runtime, uint64_t *budget, bool *done, al_er
     case AL_ARRIVAL_MEDIUM:
     case AL_ARRIVAL_BRICKS:
         return al_fog_accept(runtime, arrival, budget, done, error);
+    case AL_ARRIVAL_LIGHTMAP:
+    case AL_ARRIVAL_TEXELS:
+        return al_lightmap_accept(runtime, arrival, budget, done, error);
+    case AL_ARRIVAL_PROBES:
+        return al_probes_accept(runtime, arrival, error);
     case AL_ARRIVAL_FAILURE:
         if (arrival->asset == AL_KIND_TRANSLUCENT) runtime->objects[arrival->object].failed = true;
         if (arrival->asset == AL_KIND_MEDIUM) al_fog_fail(runtime, arrival->object);

@@ -21,7 +21,7 @@ enum {
 
 /* Texture units of shaders/: the first two and the last eight keep their texture through a frame, and that of
  * the fog where a pass does not need it otherwise. */
-enum { AL_UNIT_SHADOW = 0, AL_UNIT_ENVIRONMENT = 1, AL_UNIT_PASS = 2, AL_UNIT_FOG = 7, AL_UNIT_CASTERS = 8 };
+enum { AL_UNIT_SHADOW = 0, AL_UNIT_ENVIRONMENT = 1, AL_UNIT_PASS = 2, AL_UNIT_LIGHTMAP = 6, AL_UNIT_FOG = 7, AL_UNIT_CASTERS = 8 };
 
 /* shaders/frame.glsl */
 typedef struct al_light_block {
@@ -81,9 +81,28 @@ typedef struct al_fogs {
     al_fog_block block; /* of that frame */
 } al_fogs;
 
+typedef struct al_light_page { /* of the lightmap */
+    al_gl_texture texels; /* array: surface, attenuated, scattered */
+    float scale[AL_LAYER_COUNT];
+} al_light_page;
+
+typedef struct al_lightmap {
+    al_light_page *pages;                   /* [page_count] */
+    const al_lightmap_instance **instances; /* [scene.instance_count], NULL: none; the loader's */
+    uint32_t page_count;
+    bool half; /* its texels' format */
+} al_lightmap;
+
+typedef struct al_probe_lights {
+    bool present;
+    al_probes probes;      /* the loader's */
+    al_probe_place *places; /* [scene.instance_count]: where each was found last */
+} al_probe_lights;
+
 typedef struct al_model_mesh {
     GLuint vertex_array;
     al_gl_buffer vertices, indices; /* position, normal, uv; uint32 */
+    al_gl_buffer uv1;               /* only where an instance of it has a lightmap */
     float low[3], high[3];          /* box of the positions */
 } al_model_mesh;
 
@@ -137,13 +156,15 @@ struct al_runtime {
     al_loader *loader;
     al_arrival arrival; /* being uploaded */
     bool arriving;
-    uint32_t arrived; /* samples or bricks of the arriving page on the GPU */
+    uint32_t arrived; /* samples, bricks or layers of the arriving page on the GPU */
     al_model model;
     al_gl_texture environment;
     uint32_t environment_levels;
     al_object *objects; /* [scene.translucent_count] */
     uint32_t *sorted;   /* their indices, far to near, in the frame being drawn */
     al_fogs fogs;
+    al_lightmap lightmap;
+    al_probe_lights probes;
     al_shadow_maps shadow;
     al_targets targets;
     al_timing timing;
@@ -204,6 +225,23 @@ const char *al_fog_define(const al_draw *draw); /* of shaders that attenuate lig
 al_status al_fog_draw(al_draw *draw);           /* over the opaque surfaces */
 al_status al_fog_draw_front(al_draw *draw);     /* up to the boundary of one translucent object */
 uint64_t al_fog_bytes(const al_runtime *runtime);
+
+/* lightmap.c */
+al_status al_lightmap_accept(al_runtime *runtime, const al_arrival *arrival, uint64_t *budget, bool *done,
+                             al_error *error);
+void al_lightmap_free(al_runtime *runtime);
+bool al_lightmap_exists(const al_runtime *runtime, uint32_t instance); /* its page has arrived */
+/* Binds the instance's page, which exists, and sets the uniforms of surface.frag's AL_LIGHTMAP. */
+void al_lightmap_bind(const al_draw *draw, uint32_t instance);
+/* Shares of a baked light's layers that this frame shows: without fog `surface`, else the two others. */
+void al_baked_layers(const al_draw *draw, float shares[AL_LAYER_COUNT]);
+uint64_t al_lightmap_bytes(const al_runtime *runtime);
+
+/* probes.c */
+al_status al_probes_accept(al_runtime *runtime, const al_arrival *arrival, al_error *error);
+void al_probes_free(al_runtime *runtime);
+/* Sets the uniforms of surface.frag's AL_PROBES; the probes are present. */
+void al_probes_set(const al_draw *draw, uint32_t instance);
 
 /* shadow.c: fills draw->block's lights */
 al_status al_shadow_draw(al_draw *draw);

@@ -96,33 +96,69 @@ static al_status draw_background(al_draw *draw)
     return AL_OK;
 }
 
+/* Where what is baked has not arrived yet, the lights light it. */
+static al_lighting lighting_of(const al_runtime *runtime, uint32_t instance)
+{
+    al_lighting lighting = (al_lighting)runtime->scene.instances[instance].lighting;
+    if (lighting == AL_LIGHTING_LIGHTMAP && al_lightmap_exists(runtime, instance)) return lighting;
+    if (lighting == AL_LIGHTING_PROBES && runtime->probes.present) return lighting;
+    return AL_LIGHTING_DYNAMIC;
+}
+
+/* The opaque instances that are lit in this way. */
+static al_status draw_opaque(al_draw *draw, al_lighting lighting)
+{
+    static const char *const names[] = {"", "#define AL_LIGHTMAP\n", "#define AL_PROBES\n"};
+    al_runtime *runtime = draw->runtime;
+    const al_scene *scene = &runtime->scene;
+    char defines[96];
+    GLuint program = 0; /* built when the first instance asks for it */
+    snprintf(defines, sizeof defines, "%s%s", names[lighting], al_fog_define(draw));
+    for (uint32_t i = 0; i < scene->instance_count; i++) {
+        if (scene->instances[i].role != AL_ROLE_OPAQUE || lighting_of(runtime, i) != lighting) continue;
+        if (!program) {
+            al_status status =
+                al_shaders_get(runtime->shaders, "surface.vert surface.frag", defines, &program, draw->error);
+            if (status) return status;
+            glUseProgram(program);
+            glUniform4i(5, draw->needs_shading, !draw->settings.shadows_off, -1, 0);
+        }
+        if (lighting == AL_LIGHTING_LIGHTMAP) al_lightmap_bind(draw, i);
+        if (lighting == AL_LIGHTING_PROBES) al_probes_set(draw, i);
+        draw_instance(runtime, &scene->instances[i], false);
+    }
+    return AL_OK;
+}
+
+/* Blockers are black; their own faces end the march sharper than voxels can. */
+static al_status draw_blockers(al_draw *draw)
+{
+    al_runtime *runtime = draw->runtime;
+    GLuint program;
+    if (!runtime->model.has_blockers) return AL_OK;
+    al_status status = al_shaders_get(runtime->shaders, "surface.vert surface.frag", al_fog_define(draw),
+                                      &program, draw->error);
+    if (status) return status;
+    glUseProgram(program);
+    glUniform4i(5, 0, 0, -1, 0);
+    for (uint32_t i = 0; i < runtime->scene.instance_count; i++)
+        if (runtime->scene.instances[i].role == AL_ROLE_BLOCKER)
+            draw_instance(runtime, &runtime->scene.instances[i], false);
+    return AL_OK;
+}
+
 al_status al_surface_draw(al_draw *draw)
 {
     al_runtime *runtime = draw->runtime;
-    const al_scene *scene = &runtime->scene;
-    GLuint program = 0;
     al_timing_begin(&runtime->timing, AL_STAGE_SURFACE);
     glBindFramebuffer(GL_FRAMEBUFFER, runtime->targets.scene_framebuffer);
     glEnable(GL_SCISSOR_TEST);
     glScissor(0, 0, draw->tile[2], draw->tile[3]);
     al_status status = draw_background(draw);
-    if (!status && (runtime->model.has_opaque || runtime->model.has_blockers)) {
-        status = al_shaders_get(runtime->shaders, "surface.vert surface.frag", al_fog_define(draw), &program,
-                                draw->error);
-        if (!status) {
-            set_viewport(draw);
-            glUseProgram(program);
-            glUniform4i(5, draw->needs_shading, !draw->settings.shadows_off, -1, 0);
-            for (uint32_t i = 0; i < scene->instance_count; i++)
-                if (scene->instances[i].role == AL_ROLE_OPAQUE)
-                    draw_instance(runtime, &scene->instances[i], false);
-            /* Blockers are black; their own faces end the march sharper than voxels can. */
-            glUniform4i(5, 0, 0, -1, 0);
-            for (uint32_t i = 0; i < scene->instance_count; i++)
-                if (scene->instances[i].role == AL_ROLE_BLOCKER)
-                    draw_instance(runtime, &scene->instances[i], false);
-        }
-    }
+    if (!status && (runtime->model.has_opaque || runtime->model.has_blockers)) set_viewport(draw);
+    for (int lighting = AL_LIGHTING_DYNAMIC; lighting <= AL_LIGHTING_PROBES && !status; lighting++)
+        status = draw_opaque(draw, (al_lighting)lighting);
+    if (!status) status = draw_blockers(draw);
     glDisable(GL_DEPTH_TEST);
     al_timing_end(&runtime->timing);
     return status;

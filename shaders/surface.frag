@@ -1,7 +1,8 @@
 #version 450 core
 // Opaque: shaded radiance, normal and distance along the pixel's ray. AL_BOUNDARY: the boundary of a
 // translucent object, whose distance is negative where its back face comes first (the eye is inside) and
-// whose light is the reflected part alone, with the share that it reflects beside it.
+// whose light is the reflected part alone, with the share that it reflects beside it. AL_LIGHTMAP: all light comes
+// from the lightmap, L = albedo / pi E, and no lobe. AL_PROBES: light besides the lights' comes from probes.
 #extension GL_GOOGLE_include_directive : enable
 #include "shade.glsl"
 
@@ -14,6 +15,14 @@ layout(location = 1) uniform vec4 base;      // rgb, metallic
 layout(location = 2) uniform vec4 emission;  // rgb in W/(m2 sr), roughness
 layout(location = 3) uniform vec4 optics;    // x: dielectric reflectance along the normal; y: 1 double-sided
 layout(location = 4) uniform ivec4 maps;     // which of the four textures exist
+#ifdef AL_LIGHTMAP
+layout(binding = 6) uniform sampler2DArray irradiance_map; // surface, attenuated, scattered
+layout(location = 7) uniform vec3 layers;                  // W/m2 of each where the texture reads 1
+in vec2 page_uv;
+#endif
+#ifdef AL_PROBES
+layout(location = 8) uniform vec3 probe_sh[9]; // incident radiance, W/(m2 sr)
+#endif
 layout(location = 5) uniform ivec4 choice;   // x: shade at all; y: shadows; z: own caster or -1
 
 in vec3 world_position;
@@ -36,6 +45,29 @@ vec3 mapped_normal(vec3 normal)
     vec3 bent = texture(normal_map, surface_uv).xyz * 2.0 - 1.0;
     return normalize(mat3(tangent * inversesqrt(size), bitangent * inversesqrt(size), normal) * bent);
 }
+
+#ifdef AL_LIGHTMAP
+// W/m2 on the front; the back of a surface has no lightmap.
+vec3 baked_irradiance(bool front)
+{
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < 3; i++)
+        if (layers[i] > 0.0) sum += layers[i] * textureLod(irradiance_map, vec3(page_uv, float(i)), 0.0).rgb;
+    return front ? sum : vec3(0.0);
+}
+#endif
+
+#ifdef AL_PROBES
+vec3 probe_irradiance(vec3 normal)
+{
+    float basis[AL_SH_MAX_COUNT];
+    al_sh_basis(3, normal.x, normal.y, normal.z, basis);
+    vec3 sum = probe_sh[0] * basis[0] * AL_PI;
+    for (int i = 1; i < 4; i++) sum += probe_sh[i] * basis[i] * 2.0 * AL_PI / 3.0;
+    for (int i = 4; i < 9; i++) sum += probe_sh[i] * basis[i] * AL_PI / 4.0;
+    return max(sum, vec3(0.0));
+}
+#endif
 
 void main()
 {
@@ -82,6 +114,12 @@ void main()
     vec3 glow = emission.rgb;
     if (maps.y != 0) glow *= texture(emission_map, surface_uv).rgb;
     if (!front && optics.y == 0.0) glow = vec3(0.0);
+#if defined(AL_LIGHTMAP)
+    radiance = vec4(s.diffuse / AL_PI * baked_irradiance(front) + glow, 1.0);
+#elif defined(AL_PROBES)
+    radiance = vec4(shade_lights(s, choice.y != 0) + s.diffuse / AL_PI * probe_irradiance(s.normal) + glow, 1.0);
+#else
     radiance = vec4(shade_lights(s, choice.y != 0) + shade_environment(s) + glow, 1.0);
+#endif
 #endif
 }

@@ -9,7 +9,7 @@
 
 /* What the parser writes to before it becomes settings. */
 typedef struct raw_options {
-    const char *pass, *view_leg;
+    const char *pass, *view_leg, *scattered;
     int samples, sh_order, intervals, fog_steps;
     double march_step;
     bool no_surface, no_background, no_clip, no_normalise, no_shadows, no_lod, no_fog;
@@ -43,6 +43,13 @@ static int set_view_leg(const al_program *program, const char *name, al_view_leg
     if (!strcmp(name, "marched")) return *leg = AL_VIEW_LEG_MARCHED, -1;
     if (!strcmp(name, "sh")) return *leg = AL_VIEW_LEG_SH, -1;
     return refuse(program, "--view-leg takes marched or sh, not '%s'", name);
+}
+
+static int set_scattered(const al_program *program, const char *word, bool *off)
+{
+    if (!strcmp(word, "on")) return *off = false, -1;
+    if (!strcmp(word, "off")) return *off = true, -1;
+    return refuse(program, "--scattered takes on or off, not '%s'", word);
 }
 
 static int check(const al_program *program, al_play_options *options)
@@ -81,12 +88,13 @@ static int apply(const al_program *program, const raw_options *raw, al_play_opti
     options->headless |= options->plan;
     int code = set_pass(program, raw->pass, &s->pass);
     if (code < 0) code = set_view_leg(program, raw->view_leg, &s->view_leg);
+    if (code < 0) code = set_scattered(program, raw->scattered, &s->scattered_off);
     return code < 0 ? check(program, options) : code;
 }
 
 int al_play_options_parse(al_program *program, int argc, char **argv, al_play_options *options)
 {
-    raw_options raw = {.pass = "composite", .view_leg = "marched"};
+    raw_options raw = {.pass = "composite", .view_leg = "marched", .scattered = "on"};
     *options = (al_play_options){.size = {1280, 720}, .exposure_ev = NAN};
     const al_option table[] = {
         {"--headless", NULL, AL_OPTION_FLAG, &options->headless, "render without a display, then end", 0, 0},
@@ -124,7 +132,9 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
          "do not divide by the sum of the Gaussians", 0, 0},
         {"--no-shadows", NULL, AL_OPTION_FLAG, &raw.no_shadows, "no shadow maps, no tinted shadows", 0, 0},
         {"--no-lod", NULL, AL_OPTION_FLAG, &raw.no_lod, "all samples at any distance", 0, 0},
-        {"--no-fog", NULL, AL_OPTION_FLAG, &raw.no_fog, "clear air", 0, 0},
+        {"--no-fog", NULL, AL_OPTION_FLAG, &raw.no_fog, "clear air; lightmaps and probes show their light without fog", 0, 0},
+        {"--scattered", "WORD", AL_OPTION_STRING, &raw.scattered,
+         "light in lightmaps and probes that fog has scattered: on or off (on)", 0, 0},
         {"--fog-steps", "N", AL_OPTION_INT, &raw.fog_steps,
          "cells along a ray through fog, for each light (32)", 1, 1024},
     };

@@ -14,6 +14,7 @@ static const char *const keys_text = "left drag      orbit\n"
                                      "1 to 9         the scene's cameras\n"
                                      "+ -            exposure\n"
                                      "G              fog on, off\n"
+                                     "L              scattered light in lightmaps on, off\n"
                                      "P              screenshot (EXR and PNG)\n"
                                      "Tab            panel on, off\n"
                                      "H              this list\n"
@@ -151,7 +152,8 @@ static void show_quality(al_panel_state *state)
                  {"shadows", &s->shadows_off},
                  {"level of detail", &s->detail_off},
                  {"background", &s->background_off},
-                 {"fog", &s->fog_off}};
+                 {"fog", &s->fog_off},
+                 {"scattered light in lightmaps", &s->scattered_off}};
     for (const auto &part : parts) {
         bool on = !*part.off;
         if (ImGui::Checkbox(part.label, &on)) *part.off = !on;

@@ -180,6 +180,9 @@ static void on_key(GLFWwindow *window, int key, int code, int action, int mods)
     case GLFW_KEY_G:
         p->settings.fog_off = !p->settings.fog_off;
         break;
+    case GLFW_KEY_L:
+        p->settings.scattered_off = !p->settings.scattered_off;
+        break;
     case GLFW_KEY_P:
         p->screenshot = true;
         break;

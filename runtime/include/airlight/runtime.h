@@ -80,7 +80,8 @@ typedef struct al_settings {
     bool shadows_off;
     bool detail_off;         /* no level of detail by distance */
     bool background_off;     /* black instead of the environment */
-    bool fog_off;            /* the air is clear */
+    bool fog_off;            /* the air is clear: lightmaps and probes show their light without fog */
+    bool scattered_off;      /* lightmaps and probes without the light that the fog scatters onto surfaces */
     uint32_t fog_steps;      /* cells along a ray for each light, 0: 32; 1 to 1024 */
     uint32_t interval_count; /* knots of the interval map, 0: 16; 4 to 32 */
     float march_voxels;      /* step of the march in voxels, 0: 0.5 */
