@@ -26,7 +26,7 @@ al_status al_object_join(al_draw *draw)
         glBindImageTexture(3, targets->fog_kept.id, 0, GL_FALSE, 0, GL_READ_ONLY, GL_RGBA16F);
         glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
     }
-    glUniform4i(0, (GLint)draw->settings.pass, draw->settings.view_leg == AL_VIEW_LEG_SH, 0, 0);
+    glUniform1i(0, (GLint)draw->settings.pass);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_SRC1_COLOR);
     glBindVertexArray(runtime->empty_vertex_array);

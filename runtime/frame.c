@@ -105,6 +105,7 @@ static al_status draw_object(al_draw *draw, uint32_t index)
     glScissor(area[0], area[1], area[2], area[3]);
     glBindBufferBase(GL_UNIFORM_BUFFER, 1, object->constants.id);
     al_status status = al_boundary_draw(draw, object, index);
+    if (!status && draw->settings.view_leg == AL_VIEW_LEG_SH) status = al_back_draw(draw, index);
     if (!status) status = al_fog_draw_front(draw);
     if (!status) status = al_intervals_run(draw, object, area);
     if (!status) status = al_splat_draw(draw, object);

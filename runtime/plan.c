@@ -4,7 +4,7 @@
 static uint64_t target_bytes(const al_runtime *runtime, bool objects)
 {
     const al_targets *t = &runtime->targets;
-    return objects ? t->boundary.bytes + t->reflection.bytes + t->light.bytes
+    return objects ? t->boundary.bytes + t->back.bytes + t->reflection.bytes + t->light.bytes
                    : t->radiance.bytes + t->geometry.bytes + t->depth.bytes;
 }
 

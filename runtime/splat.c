@@ -26,6 +26,7 @@ al_status al_splat_draw(al_draw *draw, al_object *object)
     al_gl_bind_texture(AL_UNIT_PASS + 1, targets->knots.id);
     al_gl_bind_texture(AL_UNIT_PASS + 2, targets->boundary.id);
     al_gl_bind_texture(AL_UNIT_PASS + 3, targets->geometry.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 4, targets->back.id);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, object->positions.id);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, object->gaussians.id);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 4, object->lit.id);

@@ -137,14 +137,14 @@ typedef struct al_shadow_maps {
     size_t key_size; /* floats */
 } al_shadow_maps;
 
-typedef struct al_targets {                  /* of one tile */
-    al_gl_texture radiance, geometry, depth; /* opaque surfaces, then everything */
-    al_gl_texture boundary, reflection;      /* of one translucent object */
+typedef struct al_targets {                   /* of one tile */
+    al_gl_texture radiance, geometry, depth;  /* opaque surfaces, then everything */
+    al_gl_texture boundary, back, reflection; /* of one translucent object; back: view leg by SH */
     al_gl_texture ends, knots, light;
     al_gl_texture fog_light, fog_kept; /* of the fog in front of one translucent object */
-    al_gl_texture host; /* the host's own picture */
-    GLuint scene_framebuffer, radiance_framebuffer, boundary_framebuffer, light_framebuffer, host_framebuffer,
-        fog_framebuffer;
+    al_gl_texture host;                /* the host's own picture */
+    GLuint scene_framebuffer, radiance_framebuffer, boundary_framebuffer, back_framebuffer, light_framebuffer,
+        host_framebuffer, fog_framebuffer;
 } al_targets;
 
 struct al_runtime {
@@ -254,6 +254,7 @@ void al_targets_free(al_runtime *runtime);
 /* surface.c */
 al_status al_surface_draw(al_draw *draw);
 al_status al_boundary_draw(al_draw *draw, al_object *object, uint32_t index);
+al_status al_back_draw(al_draw *draw, uint32_t index);
 
 al_status al_light_run(al_draw *draw, al_object *object);                            /* light.c */
 al_status al_intervals_run(al_draw *draw, al_object *object, const int32_t area[4]); /* intervals.c */

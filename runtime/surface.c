@@ -1,4 +1,4 @@
-/* Background and opaque instances, then the boundary of one translucent object. */
+/* Background and opaque instances, then the boundary of one translucent object and where rays leave it. */
 #include <math.h>
 #include <stdio.h>
 
@@ -190,6 +190,35 @@ al_status al_boundary_draw(al_draw *draw, al_object *object, uint32_t index)
     draw_instance(runtime, &scene->instances[scene->translucents[index].instance], true);
     glDisable(GL_DEPTH_CLAMP);
     glDisable(GL_DEPTH_TEST);
+    al_timing_end(&runtime->timing);
+    return AL_OK;
+}
+
+al_status al_back_draw(al_draw *draw, uint32_t index)
+{
+    static const float nothing[4] = {0};
+    al_runtime *runtime = draw->runtime;
+    const al_instance *instance = &runtime->scene.instances[runtime->scene.translucents[index].instance];
+    GLuint program, framebuffer = runtime->targets.back_framebuffer,
+                    vertex_array = runtime->model.meshes[instance->mesh].vertex_array;
+    al_status status = al_shaders_get(runtime->shaders, "surface.vert back.frag", "", &program, draw->error);
+    if (status) return status;
+    al_timing_begin(&runtime->timing, AL_STAGE_SURFACE);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, nothing); /* inside the scissor */
+    glViewport(-draw->tile[0], -draw->tile[1], (GLsizei)draw->view->width, (GLsizei)draw->view->height);
+    glUseProgram(program);
+    glUniformMatrix4fv(0, 1, GL_FALSE, instance->world);
+    glBindVertexArray(vertex_array);
+    glEnable(GL_DEPTH_CLAMP); /* backs behind the far plane count too */
+    glEnable(GL_BLEND);
+    glBlendEquation(GL_MAX);
+    if (vertex_array)
+        glDrawElements(GL_TRIANGLES, (GLsizei)runtime->scene.meshes[instance->mesh].index_count,
+                       GL_UNSIGNED_INT, NULL);
+    glBlendEquation(GL_FUNC_ADD);
+    glDisable(GL_BLEND);
+    glDisable(GL_DEPTH_CLAMP);
     al_timing_end(&runtime->timing);
     return AL_OK;
 }

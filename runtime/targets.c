@@ -36,6 +36,11 @@ static al_status fit_object_targets(al_draw *draw)
     if (status) return status;
     attach(&t->boundary_framebuffer, t->reflection.id, t->boundary.id, t->depth.id);
     attach(&t->light_framebuffer, t->light.id, 0, 0);
+    if (draw->settings.view_leg == AL_VIEW_LEG_SH) {
+        status = fit(draw, GL_TEXTURE_2D, GL_R32F, 1, &t->back);
+        if (status) return status;
+        attach(&t->back_framebuffer, t->back.id, 0, 0);
+    }
     if (!draw->runtime->scene.fog_count) return AL_OK;
     status = fit(draw, GL_TEXTURE_2D, GL_RGBA32F, 1, &t->fog_light);
     if (!status) status = fit(draw, GL_TEXTURE_2D, GL_RGBA16F, 1, &t->fog_kept);
@@ -64,11 +69,12 @@ al_status al_targets_fit(al_draw *draw)
 void al_targets_free(al_runtime *runtime)
 {
     al_targets *t = &runtime->targets;
-    al_gl_texture *const textures[] = {&t->radiance,   &t->geometry,  &t->depth,   &t->boundary,
-                                       &t->reflection, &t->ends,      &t->knots,   &t->light,
-                                       &t->host,       &t->fog_light, &t->fog_kept};
+    al_gl_texture *const textures[] = {&t->radiance,   &t->geometry,  &t->depth,    &t->boundary,
+                                       &t->reflection, &t->ends,      &t->knots,    &t->light,
+                                       &t->host,       &t->fog_light, &t->fog_kept, &t->back};
     GLuint *const framebuffers[] = {&t->scene_framebuffer, &t->radiance_framebuffer, &t->boundary_framebuffer,
-                                    &t->light_framebuffer, &t->host_framebuffer,     &t->fog_framebuffer};
+                                    &t->light_framebuffer, &t->host_framebuffer,     &t->fog_framebuffer,
+                                    &t->back_framebuffer};
     for (size_t i = 0; i < sizeof textures / sizeof textures[0]; i++)
         al_gl_texture_free(&runtime->memory, textures[i]);
     for (size_t i = 0; i < sizeof framebuffers / sizeof framebuffers[0]; i++)

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Makes the tables of docs/accuracy.md: bakes the five reference objects at final quality, plays them as published
-# and at best, and holds them against the independent renderer's pictures.
+# Makes the tables of docs/accuracy.md: bakes the reference objects at final quality, plays them as published, with
+# the sum divided out, and marched, and holds them against the independent renderer's pictures.
 # usage: scripts/accuracy.sh [FOLDER]   (default out/accuracy; pictures and bakes stay there)
 # AIRLIGHT_SHARED names the folder of reference pictures (default ../shared).
 set -eu
@@ -27,13 +27,17 @@ play() {
         --no-background --no-lod --out "$folder/$object-$name.exr" --out "$folder/$object-$name.png" "$@"
 }
 
-# row OBJECT TRUTH: bakes and compares all four settings.
+# row OBJECT TRUTH: bakes and compares all six settings.
 row() {
     "$bin/airlight-bake" "build/tests/scenes/object_$1.json" -o "$folder/$1" --quality final --quiet
     line="| $1 |"
-    for leg in sh marched; do
+    for leg in published sh marched; do
+        case $leg in
+        published) view=sh division=--no-normalise ;;
+        *) view=$leg division= ;;
+        esac
         for order in 5 8; do
-            play "$1" "$leg-$order" --view-leg "$leg" --sh-order "$order"
+            play "$1" "$leg-$order" --view-leg "$view" --sh-order "$order" ${division:+"$division"}
             line="$line $(error "$folder/$1-$leg-$order.exr" "$2") % |"
         done
     done
@@ -41,8 +45,8 @@ row() {
     echo "$line"
 }
 
-echo "| object | published, order 5 | published, order 8 | marched, order 5 | marched, order 8 |"
-echo "| --- | --- | --- | --- | --- |"
+echo "| object | as published, order 5 | as published, order 8 | divided, order 5 | divided, order 8 | marched, order 5 | marched, order 8 |"
+echo "| --- | --- | --- | --- | --- | --- | --- |"
 for object in sphere layers torus scan scan_smoke; do row "$object" "$reference/object_${object}_single"; done
 for object in elephant_smoke bunny_cloud; do
     [ -f "$folder/$object-truth.exr" ] ||

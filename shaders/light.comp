@@ -11,7 +11,8 @@
 // sigma_t(x) psi per metre, exactly, so that to first order J(x) = J(b) exp(s.(x - b)) with s = sum of
 // sigma_t J_light w / J. (What psi does across w depends on where the light enters and is not known here; nor
 // is the environment's slope.) AL_VIEW_SH, as published: sigma_s,c at the sample times psi_c(towards the eye)
-// times J_c, 1/m.
+// times J_c, 1/m. Beside it what the reference transmittance loses there, 1/m: the mean over the channels that
+// have extinction of sigma_t,c psi_c(towards the eye).
 //
 // AL_ORDER, AL_BAKED_ORDER: bands used and bands stored. AL_CHANNELS: 1 or 3 sets of coefficients.
 // AL_FORMAT: 0 float32, 1 binary16, 2 int8 with a scale per sample and set.
@@ -37,7 +38,7 @@ layout(std430, binding = 0) readonly buffer Positions { float positions[]; };
 layout(std430, binding = 1) readonly buffer Gaussians { vec4 gaussians[]; };
 layout(std430, binding = 2) readonly buffer Coefficients { uint coefficients[]; }; // from sample `first` on
 layout(std430, binding = 3) readonly buffer Scales { float scales[]; };
-layout(std430, binding = 4) writeonly buffer Lit { vec4 lit[]; }; // rgb; then the slope, 1/m
+layout(std430, binding = 4) writeonly buffer Lit { vec4 lit[]; }; // rgb, loss; then the slope, 1/m
 layout(location = 0) uniform uint first; // sample of this dispatch; a block holds no more than GL allows
 
 float coefficient(uint index)
@@ -121,11 +122,14 @@ void main()
     }
     if (toggles.w != 0) sum += environment_light();
 #ifdef AL_VIEW_SH
-    sum *= sigma_s.rgb * gaussian.w * transmittance(mat3(world_to_object) * eye_way);
+    vec3 to_boundary = transmittance(mat3(world_to_object) * eye_way);
+    float loss = march.z * gaussian.w * dot(ratio.rgb, to_boundary) / max(ratio.w, 1.0);
+    sum *= sigma_s.rgb * gaussian.w * to_boundary;
 #else
+    float loss = 1.0;
     slope *= march.z * gaussian.w / max(dot(sum, vec3(1.0)), 1e-30);
     sum *= albedo.rgb;
 #endif
-    lit[2 * index] = vec4(sum, 0.0);
+    lit[2 * index] = vec4(sum, loss);
     lit[2 * index + 1] = vec4(slope, 0.0);
 }

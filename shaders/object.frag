@@ -16,17 +16,20 @@ layout(binding = 7) uniform sampler2D reflection; // rgb, F
 layout(binding = 2, rgba32f) readonly uniform image2D fog_light;
 layout(binding = 3, rgba16f) readonly uniform image2D fog_kept;
 #endif
-layout(location = 0) uniform ivec4 choice; // al_pass; 1: view leg by SH
+layout(location = 0) uniform int choice; // al_pass
 
 layout(location = 0, index = 0) out vec4 added;
 layout(location = 0, index = 1) out vec4 kept;
 
-// What the samples sent, times what the Gaussians missed: the extinguished share of the whole chord over the
-// share that fell on Gaussians. At most four times, so that the ragged rim of few samples does not glare.
+// What the samples sent, times what they missed: the extinguished share of the whole chord, which the interval
+// map knows, over the share that fell on Gaussians. With the view leg by spherical harmonics that is the integral
+// of sigma_t psi gamma, which should be 1 - transmittance as well but for the band limit of psi: divided, the
+// weights along the ray add up to what they should, though not each of them is right. At most four times, so
+// that the ragged rim of few samples does not glare.
 vec3 scattered(ivec2 place, vec4 end)
 {
     vec4 total = texelFetch(light, place, 0);
-    if (choice.y != 0 || toggles.y == 0) return total.rgb;
+    if (toggles.y == 0) return total.rgb;
     float expected = reference_depletion(end.z);
     return total.a > 0.0 ? total.rgb * min(expected / total.a, 4.0) : vec3(0.0);
 }
@@ -41,7 +44,7 @@ void main()
     vec4 mirrored = seen ? texelFetch(reflection, place, 0) : vec4(0.0);
     added = vec4(0.0, 0.0, 0.0, 1.0);
     kept = vec4(through, 0.0);
-    switch (choice.x) {
+    switch (choice) {
     case 0: // composite
         added.rgb = scattered(place, end) * (1.0 - mirrored.a) + mirrored.rgb;
         kept.rgb *= 1.0 - mirrored.a;

@@ -9,8 +9,9 @@
 // should have added up to and did not. J is taken at the middle of each part: it falls as fast as T, and J at
 // the chord's mean depth would be 1/e where the mean of J is 1/2.
 //
-// AL_VIEW_SH and AL_UNITY: the plain integral of the Gaussian over the chord, from the front surface on to
-// the opaque surface (unity: inside the medium); alpha is the integral itself, in m.
+// AL_VIEW_SH: J times the plain integral of the Gaussian over the chord inside the object, from the front
+// surface on to the last back one or an opaque one; alpha is the transmittance that the sample's spherical
+// harmonics lose over it. AL_UNITY: alpha is the integral itself, in m, inside the medium.
 #extension GL_GOOGLE_include_directive : enable
 #include "formulas.glsl"
 #include "frame.glsl"
@@ -20,10 +21,11 @@ layout(binding = 2) uniform sampler2D ends;          // of the interval map
 layout(binding = 3) uniform sampler2DArray knots; // four a texel
 layout(binding = 4) uniform sampler2D boundary;
 layout(binding = 5) uniform sampler2D geometry;
+layout(binding = 6) uniform sampler2D back; // AL_VIEW_SH: distance of the last face
 
 flat in vec3 center;
 flat in vec4 shape; // a in 1/m^2, radius squared, sqrt(a), weight
-flat in vec3 light;
+flat in vec4 light; // rgb; what alpha adds up
 flat in vec3 slope;
 
 layout(location = 0) out vec4 sum;
@@ -79,13 +81,18 @@ void main()
 #else
     float front = texelFetch(boundary, place, 0).w, opaque = texelFetch(geometry, place, 0).w;
     if (toggles.x != 0 && front == 0.0) discard;
-    vec2 span = vec2(toggles.x != 0 ? max(front, 0.0) : 0.0, opaque > 0.0 ? opaque : 1e30);
+    vec2 span = vec2(0.0, opaque > 0.0 ? opaque : 1e30);
+    if (toggles.x != 0) span = vec2(max(front, 0.0), min(span.y, texelFetch(back, place, 0).x));
 #endif
     ta = max(ta, span.x);
     tb = min(tb, span.y);
     if (!(ta < tb)) discard;
     float part = profile / shape.z * al_gauss_span(shape.z * (ta - middle), shape.z * (tb - middle));
-    sum = vec4(light * part, part);
+#ifdef AL_UNITY
+    sum = vec4(light.rgb, 1.0) * part;
+#else
+    sum = light * part;
+#endif
 #else
     vec4 end = texelFetch(ends, place, 0);
     ta = max(ta, end.x);
@@ -163,9 +170,9 @@ void main()
         break;
     }
 #ifdef AL_CHROMATIC
-    sum = profile * vec4(light * lit.rgb, part.a);
+    sum = profile * vec4(light.rgb * lit.rgb, part.a);
 #else
-    sum = profile * vec4(light * lit, part);
+    sum = profile * vec4(light.rgb * lit, part);
 #endif
 #endif
 }

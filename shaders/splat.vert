@@ -11,7 +11,7 @@ layout(std430, binding = 4) readonly buffer Lit { vec4 lit[]; };
 
 flat out vec3 center; // object space, m
 flat out vec4 shape;  // a in 1/m^2, radius squared, sqrt(a), weight
-flat out vec3 light;
+flat out vec4 light; // rgb; what alpha adds up
 flat out vec3 slope; // of the light, relative, 1/m
 
 // Bounds along one screen axis. The planes x = s w that touch the ball of radius R about c fulfil (r0.c - s
@@ -35,7 +35,7 @@ void main()
     center = vec3(positions[3 * index], positions[3 * index + 1], positions[3 * index + 2]);
     float a = gaussian.x * prefix.x, radius = gaussian.z * prefix.y;
     shape = vec4(a, radius * radius, sqrt(a), gaussian.y);
-    light = lit[2 * index].rgb;
+    light = lit[2 * index];
     slope = lit[2 * index + 1].xyz;
 
     mat4 rows = transpose(view_projection * object_to_world);

@@ -134,7 +134,7 @@ static void show_quality(al_panel_state *state)
                    (uint32_t)(total < 1000000000 ? total : 1000000000), true);
     int order = (int)s->sh_order;
     if (ImGui::SliderInt("SH order", &order, 0, 8, order ? "%d" : "as baked")) s->sh_order = (uint32_t)order;
-    static const char *const legs[] = {"marched", "SH, as published"};
+    static const char *const legs[] = {"marched", "SH"};
     int leg = (int)s->view_leg;
     if (ImGui::Combo("view leg", &leg, legs, 2)) s->view_leg = (al_view_leg)leg;
     int intervals = (int)(s->interval_count ? s->interval_count : 16);
@@ -147,8 +147,8 @@ static void show_quality(al_panel_state *state)
         const char *label;
         bool *off;
     } parts[] = {{"surface shading", &s->surface_off},
-                 {"clip splats at the front", &s->clip_off},
-                 {"divide by the sum of Gaussians", &s->normalise_off},
+                 {"clip splats at the boundary", &s->clip_off},
+                 {"divide by what Gaussians lose", &s->normalise_off},
                  {"shadows", &s->shadows_off},
                  {"level of detail", &s->detail_off},
                  {"background", &s->background_off},

@@ -53,7 +53,7 @@ al_scene *al_runtime_scene(al_runtime *runtime);
 
 typedef enum al_view_leg {
     AL_VIEW_LEG_MARCHED = 0, /* transmittance towards the eye from a transmittance interval map */
-    AL_VIEW_LEG_SH = 1       /* as published: from each sample's spherical harmonics */
+    AL_VIEW_LEG_SH = 1       /* from each sample's spherical harmonics; as published with normalise_off */
 } al_view_leg;
 
 typedef enum al_pass {
@@ -75,8 +75,8 @@ typedef struct al_settings {
     uint32_t sh_order;     /* 0: as baked */
     al_view_leg view_leg;
     bool surface_off;   /* no surface shading of translucent objects */
-    bool clip_off;      /* splats are not clipped by the object's front (published figure 4) */
-    bool normalise_off; /* marched view leg: do not divide by the sum of the Gaussians */
+    bool clip_off;      /* splats are not clipped by the object's boundary (published figure 4) */
+    bool normalise_off; /* do not divide by the transmittance that the Gaussians together lose */
     bool shadows_off;
     bool detail_off;         /* no level of detail by distance */
     bool background_off;     /* black instead of the environment */
