@@ -43,6 +43,5 @@ SCENE
 
 echo "| sigma_t times radius | samples | mean free path / base radius | mean | error |"
 echo "| --- | --- | --- | --- | --- |"
-for samples in 5000 50000; do
-    for sigma in 5 10 20 40 80 160; do row $sigma $samples; done
-done
+for sigma in 5 10 20 40 80 160; do row $sigma 5000; done
+for sigma in 10 20 40 80 160; do row $sigma 50000; done
