@@ -44,8 +44,10 @@ typedef struct lightmap_work {
     uint32_t channel_count, tile_count;
     al_gather *gather;
     al_gather_scratch *scratch[THREAD_LIMIT];
-    float *results; /* [tile][TILE_TEXELS][channel_count + 1]: light, then the share of backs */
-    bool *done;     /* [tile] */
+    /* [tile][TILE_TEXELS + 1][channel_count + 1]: light, then the share of backs; the last of a tile is its
+     * first texel once more, by other paths */
+    float *results;
+    bool *done; /* [tile] */
     al_journal *journal;
     al_progress progress;
     atomic_uint finished;
@@ -204,20 +206,32 @@ static void keep(const lightmap_work *w, const al_gathered *g, float *out)
     *out = finite ? (float)g->back_share : 1;
 }
 
+static float *result_of(const lightmap_work *w, uint32_t tile, uint32_t texel)
+{
+    return w->results + ((size_t)tile * (TILE_TEXELS + 1) + texel) * (w->channel_count + 1);
+}
+
+/* `paths` tells one set of paths from another. */
+static bool bake_texel(lightmap_work *w, const al_texel *t, uint32_t paths, unsigned thread, float *out)
+{
+    const uint32_t place[] = {w->settings->seed, t->page, t->cell, paths};
+    const double normal[3] = {t->normal[0], t->normal[1], t->normal[2]};
+    al_gathered gathered;
+    if (al_program_cancelled() || !al_gather_point(w->gather, w->scratch[thread], t->position, normal,
+                                                   t->edge_m, XXH64(place, sizeof place, 0), &gathered))
+        return false;
+    keep(w, &gathered, out);
+    return true;
+}
+
 static bool bake_tile(void *user, unsigned tile, unsigned thread)
 {
     lightmap_work *w = user;
+    const al_texel *texels = w->texels.texels + (size_t)tile * TILE_TEXELS;
     if (w->done[tile]) return true;
-    for (uint32_t i = 0; i < TILE_TEXELS && tile * TILE_TEXELS + i < w->texels.count; i++) {
-        const al_texel *t = &w->texels.texels[tile * TILE_TEXELS + i];
-        const uint32_t place[] = {w->settings->seed, t->page, t->cell};
-        double normal[3] = {t->normal[0], t->normal[1], t->normal[2]};
-        al_gathered gathered;
-        if (al_program_cancelled() || !al_gather_point(w->gather, w->scratch[thread], t->position, normal,
-                                                       t->edge_m, XXH64(place, sizeof place, 0), &gathered))
-            return false;
-        keep(w, &gathered, w->results + ((size_t)tile * TILE_TEXELS + i) * (w->channel_count + 1));
-    }
+    for (uint32_t i = 0; i < TILE_TEXELS && tile * TILE_TEXELS + i < w->texels.count; i++)
+        if (!bake_texel(w, &texels[i], 0, thread, result_of(w, tile, i))) return false;
+    if (!bake_texel(w, &texels[0], 1, thread, result_of(w, tile, TILE_TEXELS))) return false;
     if (!al_journal_append(w->journal, tile)) return false;
     unsigned finished = atomic_fetch_add(&w->finished, 1) + 1;
     if (thread == 0) al_progress_update(&w->progress, finished, w->tile_count);
@@ -228,7 +242,7 @@ static bool bake_tile(void *user, unsigned tile, unsigned thread)
 static al_status gather_texels(lightmap_work *w, al_error *error)
 {
     double started = al_program_seconds();
-    size_t tile_size = (size_t)TILE_TEXELS * (w->channel_count + 1) * sizeof *w->results;
+    size_t tile_size = (size_t)(TILE_TEXELS + 1) * (w->channel_count + 1) * sizeof *w->results;
     unsigned threads = al_parallel_threads(w->options->threads), left = 0;
     w->tile_count = (w->texels.count + TILE_TEXELS - 1) / TILE_TEXELS;
     w->results = calloc(w->tile_count + (size_t)1, tile_size);
@@ -274,7 +288,7 @@ static al_status fill_pages(lightmap_work *w, al_error *error)
         if (status != AL_OK) return status;
         for (; i < w->texels.count && w->texels.texels[i].page == p; i++) {
             const al_texel *t = &w->texels.texels[i];
-            const float *result = w->results + (size_t)i * (w->channel_count + 1);
+            const float *result = result_of(w, i / TILE_TEXELS, i % TILE_TEXELS);
             bool behind = result[w->channel_count] > BEHIND_SHARE;
             memcpy(page->light + (size_t)t->cell * w->channel_count, result,
                    w->channel_count * sizeof(float));
@@ -405,6 +419,22 @@ static bool describe_geometry(const lightmap_work *w, asset *a)
     return true;
 }
 
+/* The standard error of a texel of a layer over the root mean square of the light: of two independent values
+ * a and b of a texel, (a - b)^2 / 2 estimates the variance. */
+static double noise_of(const lightmap_work *w, int layer)
+{
+    double variance = 0, light = 0;
+    for (uint32_t tile = 0; tile < w->tile_count; tile++) {
+        const float *a = result_of(w, tile, 0), *b = result_of(w, tile, TILE_TEXELS);
+        if (a[w->channel_count] > BEHIND_SHARE) continue;
+        for (int c = 3 * layer; c < 3 * layer + 3; c++) {
+            variance += ((double)a[c] - b[c]) * ((double)a[c] - b[c]) / 2;
+            light += ((double)a[c] + b[c]) * ((double)a[c] + b[c]) / 4;
+        }
+    }
+    return light > 0 ? sqrt(variance / light) : 0;
+}
+
 static char *provenance(const lightmap_work *w)
 {
     static const char *const walls[] = {"published", "bounded", "traced"};
@@ -418,12 +448,15 @@ static char *provenance(const lightmap_work *w)
     }
     snprintf(key, sizeof key, "%016llx", (unsigned long long)w->key);
     json_t *root = json_pack(
-        "{s:s, s:{s:f, s:i, s:i, s:s, s:b, s:f, s:i, s:i, s:I}, s:i, s:i, s:{s:I, s:f, s:f}}", "key", key,
-        "settings", "texel_m", w->atlas->texel_m, "samples", (int)s->samples, "bounces", (int)s->bounces,
-        "walls", walls[s->walls], "back_scatter", (int)s->back_scatter, "back_scatter_shift_m",
-        s->back_scatter_shift_m, "directional_order", (int)s->directional_order, "padding_texels",
-        (int)s->padding_texels, "seed", (json_int_t)s->seed, "own_uv_meshes", (int)w->atlas->own_count,
-        "coarse_meshes", (int)w->atlas->coarse_count, "seams", "places", (json_int_t)places, "jump_before",
+        "{s:s, s:{s:f, s:i, s:i, s:s, s:b, s:f, s:i, s:i, s:I}, s:i, s:i, s:{s:f, s:f, s:f}, s:{s:I, s:f, "
+        "s:f}}",
+        "key", key, "settings", "texel_m", w->atlas->texel_m, "samples", (int)s->samples, "bounces",
+        (int)s->bounces, "walls", walls[s->walls], "back_scatter", (int)s->back_scatter,
+        "back_scatter_shift_m", s->back_scatter_shift_m, "directional_order", (int)s->directional_order,
+        "padding_texels", (int)s->padding_texels, "seed", (json_int_t)s->seed, "own_uv_meshes",
+        (int)w->atlas->own_count, "coarse_meshes", (int)w->atlas->coarse_count, "noise", "surface",
+        noise_of(w, AL_LAYER_SURFACE), "attenuated", noise_of(w, AL_LAYER_ATTENUATED), "scattered",
+        noise_of(w, AL_LAYER_SCATTERED), "seams", "places", (json_int_t)places, "jump_before",
         places > 0 ? sqrt(before / places) : 0.0, "jump_after", places > 0 ? sqrt(after / places) : 0.0);
     char *text = root ? json_dumps(root, JSON_COMPACT | JSON_REAL_PRECISION(6)) : NULL;
     json_decref(root);

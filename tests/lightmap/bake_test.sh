@@ -52,6 +52,32 @@ awk -F'[][,]' '{ exit !($2 > 5 / 4 && $2 < 5 / 4 + 3.1416 * 0.1 * 1.1) }' "$work
 run 0 "$bin/airlight-inspect" --json "$work/plain/room.lightmap.air"
 awk -F'[: ,]+' '/"texels_replaced"/ { exit !($3 >= 9) }' "$work/stdout" || wrong "no texels under the block are replaced"
 
+# The noise that the asset states: between nothing and a tenth with 64 paths, and with 16 times as many a quarter of it
+# if paths were independent, less since they are spread evenly.
+noise() { "$bin/airlight-inspect" --json "$1" | tr -d ' \n' | sed 's/.*"noise":{"surface":\([0-9.e-]*\).*/\1/'; }
+sed 's/"samples": 64/"samples": 1024/' "$work/room.json" >"$work/many.json"
+run 0 "$bin/airlight-bake" "$work/many.json" -o "$work/many" --quiet
+awk -v few="$(noise "$work/plain/room.lightmap.air")" -v many="$(noise "$work/many/many.lightmap.air")" \
+    'BEGIN { exit !(few > 0.001 && few < 0.1 && many > 0 && many < 0.35 * few) }' ||
+    wrong "stated noise: $(noise "$work/plain/room.lightmap.air"), with more paths $(noise "$work/many/many.lightmap.air")"
+
+# A closed room whose walls emit 1 and reflect a half: 1 / (1 - 0.5) everywhere, so pi times that falls onto every texel.
+# 16 bounces leave out 2^-17 of it. Paths are drawn, so the mean of all texels is held to 0.5 %.
+{
+    for y in -1 1; do for z in -1 1; do for x in -1 1; do echo "v $x $y $z"; done; done; done
+    printf 'f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n'
+} >"$work/furnace.obj"
+cat >"$work/furnace.json" <<SCENE
+{"meshes": [{"name": "walls", "file": "furnace.obj", "lighting": "lightmap", "material": "glow"}],
+ "materials": [{"name": "glow", "base_color": 0.5, "emission_w_m2_sr": 1, "double_sided": true}],
+ "lightmap": {"texel_m": 0.1, "samples": 256, "bounces": 16}}
+SCENE
+run 0 "$bin/airlight-bake" "$work/furnace.json" -o "$work/furnace" --quiet
+run 0 "$bin/airlight-inspect" --json "$work/furnace/furnace.lightmap.air"
+tr -d ' \n' <"$work/stdout" | sed 's/.*"surface":{"mean_w_m2":\[\([0-9.]*\),.*/\1/' |
+    awk '{ exit !($1 > 0.995 * 6.2832 && $1 < 1.005 * 6.2832) }' || wrong "furnace: $(cat "$work/stdout")"
+grep -q '"texels_baked": 2400,' "$work/stdout" || wrong "six walls of 20 x 20 texels: $(grep texels_ "$work/stdout")"
+
 # A second run does nothing.
 files() { find "$work/plain" -type f ! -name report.json -exec ls -i {} + | sort; }
 before=$(files)
