@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "airlight/formulas.h"
 #include "geometry.h"
 #include "raster.h"
 
@@ -294,27 +295,59 @@ static bool renumber(cutter *c)
 
 /* --- placing --- */
 
+/* A chart's box in texels, turned by i * 90 / TURNS degrees; turn 0 is how it was grown. */
+enum { TURNS = 16 };
+
 typedef struct extent {
-    double low[2], high[2], area, projected; /* texels */
-    double scale;
+    double low[TURNS][2], high[TURNS][2], area, projected;
+    double scale, direction[2]; /* cosine and sine of the turn that is used */
+    int turn;
     bool overlaps;
 } extent;
 
+static void direction_of(int turn, double direction[2])
+{
+    direction[0] = cos(turn * (AL_PI / 2) / TURNS);
+    direction[1] = sin(turn * (AL_PI / 2) / TURNS);
+}
+
+static void rotate(const double direction[2], const double from[2], double to[2])
+{
+    to[0] = direction[0] * from[0] - direction[1] * from[1];
+    to[1] = direction[1] * from[0] + direction[0] * from[1];
+}
+
+static void clear_extents(const cutter *c, extent *extents)
+{
+    for (uint32_t i = 0; i < c->charts->count; i++) {
+        extents[i] = (extent){.scale = 1, .direction = {1, 0}};
+        for (int turn = 0; turn < TURNS; turn++)
+            for (int k = 0; k < 2; k++) {
+                extents[i].low[turn][k] = INFINITY;
+                extents[i].high[turn][k] = -INFINITY;
+            }
+    }
+}
+
 static void measure_extents(const cutter *c, extent *extents)
 {
-    for (uint32_t i = 0; i < c->charts->count; i++)
-        extents[i] = (extent){{INFINITY, INFINITY}, {-INFINITY, -INFINITY}, 0, 0, 1, false};
+    double directions[TURNS][2];
+    clear_extents(c, extents);
+    for (int turn = 0; turn < TURNS; turn++) direction_of(turn, directions[turn]);
     for (uint32_t t = 0; t < c->triangle_count; t++) {
         uint32_t chart = c->charts->chart[t];
         if (chart == AL_NO_CHART) continue;
         double(*uv)[2] = c->charts->uv + 3 * (size_t)t;
         extent *e = &extents[chart];
         project(c, &c->frames[chart], t, uv);
-        for (int k = 0; k < 3; k++)
-            for (int i = 0; i < 2; i++) {
-                e->low[i] = fmin(e->low[i], uv[k][i]);
-                e->high[i] = fmax(e->high[i], uv[k][i]);
+        for (int i = 0; i < 3 * TURNS; i++) {
+            double turned[2];
+            rotate(directions[i / 3], uv[i % 3], turned);
+            for (int k = 0; k < 2; k++) {
+                e->low[i / 3][k] = fmin(e->low[i / 3][k], turned[k]);
+                e->high[i / 3][k] = fmax(e->high[i / 3][k], turned[k]);
             }
+        }
         e->area += c->areas[t] / (c->texel_m * c->texel_m);
         e->projected += fabs((uv[1][0] - uv[0][0]) * (uv[2][1] - uv[0][1]) -
                              (uv[1][1] - uv[0][1]) * (uv[2][0] - uv[0][0])) /
@@ -322,22 +355,38 @@ static void measure_extents(const cutter *c, extent *extents)
     }
 }
 
+/* The turn with the smallest box; as grown unless another saves 2 %. */
+static void choose_turn(extent *e)
+{
+    double best = INFINITY;
+    for (int turn = 0; turn < TURNS; turn++) {
+        double area = (e->high[turn][0] - e->low[turn][0]) * (e->high[turn][1] - e->low[turn][1]);
+        if (!(area < (turn ? 0.98 * best : best))) continue;
+        best = area;
+        e->turn = turn;
+    }
+    direction_of(e->turn, e->direction);
+}
+
 static void place_corners(const cutter *c, const extent *extents, uint32_t t, double uv[3][2])
 {
     const extent *e = &extents[c->charts->chart[t]];
-    for (int k = 0; k < 3; k++)
-        for (int i = 0; i < 2; i++)
-            uv[k][i] = (c->charts->uv[3 * (size_t)t + (size_t)k][i] - e->low[i]) * e->scale;
+    for (int k = 0; k < 3; k++) {
+        rotate(e->direction, c->charts->uv[3 * (size_t)t + (size_t)k], uv[k]);
+        for (int i = 0; i < 2; i++) uv[k][i] = (uv[k][i] - e->low[e->turn][i]) * e->scale;
+    }
 }
 
-/* Charts scaled to their area, from the corner of their box; those that overlap so stay as they were grown,
- * on the grid that has been checked. */
+/* Charts turned to their smallest box and scaled to their area; those that overlap so stay as they were
+ * grown, on the grid that has been checked. */
 static bool place_all(cutter *c, extent *extents)
 {
     double uv[3][2];
     cell_set fresh = {0};
-    for (uint32_t i = 0; i < c->charts->count; i++)
+    for (uint32_t i = 0; i < c->charts->count; i++) {
+        choose_turn(&extents[i]);
         extents[i].scale = extents[i].projected > 0 ? sqrt(extents[i].area / extents[i].projected) : 1;
+    }
     for (uint32_t t = 0; t < c->triangle_count; t++) {
         if (c->charts->chart[t] == AL_NO_CHART || !has_area(c, t)) continue;
         extent *e = &extents[c->charts->chart[t]];
@@ -351,9 +400,12 @@ static bool place_all(cutter *c, extent *extents)
         extent *e = &extents[i];
         if (e->overlaps) {
             e->scale = 1;
-            for (int k = 0; k < 2; k++) e->low[k] = floor(e->low[k]);
+            e->turn = 0;
+            direction_of(0, e->direction);
+            for (int k = 0; k < 2; k++) e->low[0][k] = floor(e->low[0][k]);
         }
-        for (int k = 0; k < 2; k++) c->charts->size[i][k] = (e->high[k] - e->low[k]) * e->scale;
+        for (int k = 0; k < 2; k++)
+            c->charts->size[i][k] = (e->high[e->turn][k] - e->low[e->turn][k]) * e->scale;
     }
     for (uint32_t t = 0; t < c->triangle_count; t++) {
         if (c->charts->chart[t] == AL_NO_CHART) continue;
