@@ -40,6 +40,7 @@ started=$(date +%s%N)
 run 0 bake plain
 whole_ms=$((($(date +%s%N) - started) / 1000000))
 for asset in room.lightmap.air scene.air; do run 0 "$bin/airlight-inspect" --check "$work/plain/$asset"; done
+run 0 "$bin/lightmap_exr_layers" "$work/plain/room.lightmap.air" "$work/plain/lightmap_0.exr"
 run 0 bake one --threads 1 && same one
 run 0 bake three --threads 3 && same three
 
