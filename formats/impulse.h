@@ -2,6 +2,8 @@
 #ifndef AIRLIGHT_IMPULSE_H
 #define AIRLIGHT_IMPULSE_H
 
+#include <stdbool.h>
+
 #include "airlight/impulse_tables.h"
 
 enum { AL_IMPULSE_G_LIMIT = 16 }; /* tables of one emitter that differ in g */
@@ -16,5 +18,12 @@ struct al_impulse_tables {
     const al_impulse_table *phases[3][2][AL_IMPULSE_G_LIMIT];         /* event 1, g rising, 0 included */
     uint32_t phase_counts[3][2];
 };
+
+/* The numbers of one event in the query's medium, all factors but the sines of m in them. False: nothing is
+ * left, they are 0. */
+bool al_impulse_event_numbers(const al_impulse_tables *tables, const al_impulse_query *q, uint32_t axis,
+                              uint32_t event, double *numbers);
+/* Of max(0, cos), as integrals over directions. */
+void al_impulse_cosine_bands(uint32_t count, double bands[AL_IMPULSE_BAND_LIMIT]);
 
 #endif

@@ -17,62 +17,60 @@
 #include "airlight/sh.h"
 #include "impulse.h"
 
-/* Near, an event from a point at distance d adds up to pi^2/(4 d) W/m2 sr in band 0 (times Y(0,0)/(4 pi)...),
- * the second grows like -ln d, later ones are finite; far, all fall like exp(-d)/d^2 times powers of ln d. */
-double al_impulse_asymptote(uint32_t emitter, uint32_t first_event, double d)
+/* Near, the first event's fluence is pi^2/(4 d), the second's grows like -ln d, later ones are finite; a
+ * directional light's are finite near the plane. Far, event k falls like exp(-d) (ln 2d)^k, over d^2 for a
+ * point: over the distances that matter the power of the logarithm is close to (1 + d)^(k/3). */
+double al_impulse_falloff(uint32_t emitter, uint32_t first_event, uint32_t last_event, double d)
 {
-    double near = fmax(d, 1e-300), far = (1 + d) * (1 + d);
-    if (emitter == AL_IMPULSE_DIRECTIONAL) return exp(-d);
-    if (first_event == 0) return exp(-d) / (near * near);
-    if (first_event == 1) return exp(-d) / (near * (1 + d));
-    if (first_event == 2) return exp(-d) * (1 + log1p(1 / near)) / far;
-    return exp(-d) / far;
+    double near = fmax(d, 1e-300), far = 1 + d, events = exp(last_event / 3.0 * log(far));
+    if (emitter == AL_IMPULSE_DIRECTIONAL) return events;
+    if (first_event == 0) return events / (near * near);
+    if (first_event == 1) return events / (near * far);
+    return (first_event == 2 ? 1 + log1p(1 / near) : 1) * events / (far * far);
 }
 
-/* The same in a medium: sigma_t^2 asymptote(sigma_t d), without overflow where sigma_t d is tiny. */
-static double scaled_asymptote(uint32_t emitter, uint32_t first_event, double d, double sigma_t)
+/* The asymptote in a medium, sigma_t^2 exp(-sigma_t d) falloff(sigma_t d), without overflow where sigma_t d
+ * is tiny. */
+static double asymptote(const al_impulse_query *q, uint32_t first_event, uint32_t last_event, double sigma_t)
 {
-    double dq = sigma_t * d;
-    if (emitter == AL_IMPULSE_DIRECTIONAL) return exp(-dq);
-    if (first_event == 0) return exp(-dq) / (d * d);
-    if (first_event == 1) return exp(-dq) * sigma_t / (d * (1 + dq));
-    return sigma_t * sigma_t * al_impulse_asymptote(emitter, first_event, dq);
+    double d = q->distance_m, dq = sigma_t * d;
+    if (q->emitter == AL_IMPULSE_DIRECTIONAL || first_event > 1)
+        return exp(-dq) * al_impulse_falloff(q->emitter, first_event, last_event, dq) *
+               (q->emitter == AL_IMPULSE_DIRECTIONAL ? 1 : sigma_t * sigma_t);
+    double events = exp(last_event / 3.0 * log1p(dq) - dq);
+    return first_event == 0 ? events / (d * d) : events * sigma_t / (d * (1 + dq));
 }
 
 /* --- interpolation: cubic through the four nearest values of an axis with equal steps --- */
 
-typedef struct stencil {
-    uint32_t first, count;
-    double weights[4];
-} stencil;
-
 /* At `place` in steps, from the nodes low to high. */
-static stencil stencil_at(double place, uint32_t low, uint32_t high)
+static al_impulse_stencil stencil_at(double place, uint32_t low, uint32_t high)
 {
     double base = fmin(fmax(floor(place) - 1, low), high - 3.0), f = place - base;
     double a = f, b = f - 1, c = f - 2, d = f - 3;
-    return (stencil){(uint32_t)base, 4, {-b * c * d / 6, a * c * d / 2, -a * b * d / 2, a * b * c / 6}};
+    return (al_impulse_stencil){
+        (uint32_t)base, 4, {-b * c * d / 6, a * c * d / 2, -a * b * d / 2, a * b * c / 6}};
 }
 
-static stencil distance_stencil(const al_impulse_info *info, const al_impulse_table *t, double distance)
+al_impulse_stencil al_impulse_distances(const al_impulse_info *info, uint32_t count, double distance)
 {
     double low = log(info->distance_min), high = log(info->distance_max);
     double share = (log(fmax(distance, 1e-300)) - low) / (high - low);
-    return stencil_at(fmin(fmax(share, 0), 1) * (t->distance_count - 1), 0, t->distance_count - 1);
+    return stencil_at(fmin(fmax(share, 0), 1) * (count - 1), 0, count - 1);
 }
 
 /* A kink of the response may lie at cos_normal 0: the two sides are interpolated apart. */
-static stencil cosine_stencil(const al_impulse_table *t, double cosine)
+al_impulse_stencil al_impulse_cosines(uint32_t count, double cosine)
 {
-    uint32_t half = (t->cosine_count - 1) / 2;
-    if (t->cosine_count == 1) return (stencil){0, 1, {1}};
+    uint32_t half = (count - 1) / 2;
+    if (count == 1) return (al_impulse_stencil){0, 1, {1}};
     double root = sqrt(fmin(fabs(cosine), 1)), place = (1 + (cosine < 0 ? -root : root)) * half;
     return cosine < 0 ? stencil_at(place, 0, half) : stencil_at(place, half, 2 * half);
 }
 
 /* Adds weight times the interpolated numbers of one angle's share. */
-static void gather(const al_impulse_table *t, uint32_t angle, const stencil *cosines,
-                   const stencil *distances, double weight, double *numbers)
+static void gather(const al_impulse_table *t, uint32_t angle, const al_impulse_stencil *cosines,
+                   const al_impulse_stencil *distances, double weight, double *numbers)
 {
     size_t row = (size_t)t->distance_count * t->number_count;
     const float *share = t->values + (size_t)angle * t->cosine_count * row;
@@ -88,7 +86,8 @@ static void gather(const al_impulse_table *t, uint32_t angle, const stencil *cos
 static void look_up(const al_impulse_info *info, const al_impulse_table *t, double distance, double cosine,
                     double weight, double *numbers)
 {
-    stencil cosines = cosine_stencil(t, cosine), distances = distance_stencil(info, t, distance);
+    al_impulse_stencil cosines = al_impulse_cosines(t->cosine_count, cosine),
+                       distances = al_impulse_distances(info, t->distance_count, distance);
     gather(t, 0, &cosines, &distances, weight, numbers);
 }
 
@@ -119,8 +118,8 @@ static void look_up_resolved(const al_impulse_tables *tables, const al_impulse_q
                              double *numbers)
 {
     const al_impulse_table *t = tables->resolved[q->emitter];
-    stencil cosines = cosine_stencil(t, q->cos_normal),
-            distances = distance_stencil(&tables->info, t, distance);
+    al_impulse_stencil cosines = al_impulse_cosines(t->cosine_count, q->cos_normal),
+                       distances = al_impulse_distances(&tables->info, t->distance_count, distance);
     look_up(&tables->info, tables->events[q->emitter][AL_IMPULSE_AXIS_EMITTER][1], distance, q->cos_normal, 1,
             numbers);
     for (uint32_t a = 0; a < t->angle_count; a++)
@@ -158,44 +157,51 @@ static bool is_isotropic(const al_impulse_query *q)
 
 /* --- one answer --- */
 
+/* A fitted axis' angle is no radiance. */
+static void scale_numbers(uint32_t axis, double scale, double *numbers)
+{
+    for (uint32_t n = axis == AL_IMPULSE_AXIS_FITTED; n < AL_IMPULSE_NUMBER_LIMIT; n++) numbers[n] *= scale;
+}
+
 /* Adds an entry's numbers, which are about the emitter's direction or a fitted axis. */
-static void add_numbers(const al_impulse_query *q, uint32_t axis, double scale, const double *numbers,
+static void add_numbers(const al_impulse_query *q, uint32_t axis, const double *numbers,
                         al_impulse_answer *answer)
 {
     if (axis == AL_IMPULSE_AXIS_FITTED) { /* the mean of the axes, weighted by band 0 */
-        double before = answer->sh[0][0], added = scale * numbers[1], all = before + added;
-        if (all > 0) answer->axis_angle = (before * answer->axis_angle + added * numbers[0]) / all;
+        double before = answer->sh[0][0], all = before + numbers[1];
+        if (all > 0) answer->axis_angle = (before * answer->axis_angle + numbers[1] * numbers[0]) / all;
         numbers++;
     }
-    double sine = sqrt(fmax(0, 1 - q->cos_normal * q->cos_normal)), factor = scale;
+    double sine = sqrt(fmax(0, 1 - q->cos_normal * q->cos_normal)), factor = 1;
     for (uint32_t m = 0; m < answer->m_count; m++, factor *= sine)
         for (uint32_t l = m; l < answer->band_count; l++) answer->sh[m][l] += factor * *numbers++;
 }
 
 static void add_beam(const al_impulse_query *q, al_impulse_answer *answer)
 {
-    double irradiance = scaled_asymptote(q->emitter, 0, q->distance_m, q->sigma_s_per_m + q->sigma_a_per_m);
+    double irradiance = asymptote(q, 0, 0, q->sigma_s_per_m + q->sigma_a_per_m);
     if (q->emitter == AL_IMPULSE_AREA) irradiance *= fmax(0, q->cos_normal);
     for (uint32_t l = 0; l < answer->band_count; l++)
         answer->sh[0][l] += irradiance * sqrt((2 * l + 1) / (4 * AL_PI));
 }
 
-static void add_event(const al_impulse_tables *tables, const al_impulse_query *q, uint32_t axis,
-                      uint32_t event, al_impulse_answer *answer)
+bool al_impulse_event_numbers(const al_impulse_tables *tables, const al_impulse_query *q, uint32_t axis,
+                              uint32_t event, double *numbers)
 {
-    double numbers[AL_IMPULSE_NUMBER_LIMIT] = {0}, sigma_s = q->sigma_s_per_m;
+    double sigma_s = q->sigma_s_per_m;
     if (event > 1) sigma_s *= 1 - mean_cosine(q);
     double sigma_t = sigma_s + q->sigma_a_per_m, distance = sigma_t * q->distance_m;
-    double scale =
-        scaled_asymptote(q->emitter, event, q->distance_m, sigma_t) * pow(sigma_s / sigma_t, event);
-    if (!(scale > 0)) return; /* no scattering, or nothing left */
+    double scale = asymptote(q, event, event, sigma_t) * pow(sigma_s / sigma_t, event);
+    memset(numbers, 0, AL_IMPULSE_NUMBER_LIMIT * sizeof *numbers);
+    if (!(scale > 0) || !tables->events[q->emitter][axis][event]) return false;
     if (event > 1 || is_isotropic(q))
         look_up(&tables->info, tables->events[q->emitter][axis][event], distance, q->cos_normal, 1, numbers);
     else if (q->variant == AL_IMPULSE_PUBLISHED || !tables->resolved[q->emitter])
         look_up_phases(tables, q, axis, distance, numbers);
     else
         look_up_resolved(tables, q, distance, numbers);
-    add_numbers(q, axis, scale, numbers, answer);
+    scale_numbers(axis, scale, numbers);
+    return true;
 }
 
 /* All events of a medium that absorbs nothing, isotropic: one look-up. */
@@ -207,10 +213,11 @@ static bool add_sum(const al_impulse_tables *tables, const al_impulse_query *q, 
         q->first_event > 1)
         return false;
     double numbers[AL_IMPULSE_NUMBER_LIMIT] = {0};
-    double scale = scaled_asymptote(q->emitter, 1, q->distance_m, q->sigma_s_per_m);
+    double scale = asymptote(q, 1, t->last_event, q->sigma_s_per_m);
     if (!(scale > 0)) return true;
     look_up(&tables->info, t, q->sigma_s_per_m * q->distance_m, q->cos_normal, 1, numbers);
-    add_numbers(q, axis, scale, numbers, answer);
+    scale_numbers(axis, scale, numbers);
+    add_numbers(q, axis, numbers, answer);
     return true;
 }
 
@@ -227,8 +234,9 @@ void al_impulse_response(const al_impulse_tables *tables, const al_impulse_query
     answer->m_count = q->emitter == AL_IMPULSE_AREA && !fitted ? AL_IMPULSE_M_COUNT : 1;
     if (q->first_event == 0) add_beam(q, answer);
     if (q->last_event == 0 || add_sum(tables, q, axis, answer)) return;
+    double numbers[AL_IMPULSE_NUMBER_LIMIT];
     for (uint32_t event = q->first_event ? q->first_event : 1; event <= q->last_event; event++)
-        if (tables->events[q->emitter][axis][event]) add_event(tables, q, axis, event, answer);
+        if (al_impulse_event_numbers(tables, q, axis, event, numbers)) add_numbers(q, axis, numbers, answer);
 }
 
 /* --- what is made of an answer --- */
@@ -236,7 +244,7 @@ void al_impulse_response(const al_impulse_tables *tables, const al_impulse_query
 /* Band l of the clamped cosine: the integral of max(0, cos) against P(l), times 2 pi (Ramamoorthi and
  * Hanrahan 2001): pi, 2 pi/3, and 0 or 2 pi (-1)^(l/2 - 1) / ((l + 2)(l - 1)) l! / (2^l (l/2)!^2). The last
  * quotient is 1/2 for l = 2 and (l - 1)/l times that of l - 2. */
-static void cosine_bands(uint32_t count, double bands[AL_IMPULSE_BAND_LIMIT])
+void al_impulse_cosine_bands(uint32_t count, double bands[AL_IMPULSE_BAND_LIMIT])
 {
     double quotient = 1, sign = -1;
     for (uint32_t l = 0; l < count; l++) bands[l] = 0;
@@ -261,7 +269,7 @@ double al_impulse_irradiance(const al_impulse_answer *answer, double normal_z, d
     double bands[AL_IMPULSE_BAND_LIMIT], column[AL_IMPULSE_BAND_LIMIT], sum = 0;
     double cosine = cos(answer->axis_angle), sine = sin(answer->axis_angle);
     double z = cosine * normal_z + sine * normal_x, x = cosine * normal_x - sine * normal_z;
-    cosine_bands(answer->band_count, bands);
+    al_impulse_cosine_bands(answer->band_count, bands);
     for (uint32_t m = 0; m < answer->m_count; m++) {
         double part = 0;
         al_sh_column((int)m, (int)answer->band_count, z, column);

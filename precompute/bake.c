@@ -14,10 +14,13 @@
 #include "bake_medium.h"
 #include "bake_object.h"
 #include "glb.h"
+#include "impulse.h"
 #include "report.h"
 
 typedef struct arguments {
-    const char *folder, *quality, *devices;
+    const char *folder, *quality, *devices, *tables;
+    int table_bands, table_events, table_distances, table_cosines;
+    double table_g;
     bool plan, list_devices;
     int threads;
     double memory_limit_mib;
@@ -209,7 +212,39 @@ static al_status lay_atlas(bake *b, al_error *error)
     return AL_OK;
 }
 
-/* Impulse tables in the folder, where the lightmap's rays need them. */
+/* Impulse tables, which depend on no scene, by the settings of the command line. */
+static al_status make_tables(bake *b, const char *path, al_error *error)
+{
+    const arguments *a = b->arguments;
+    const al_impulse_settings settings = {.bands = (uint32_t)a->table_bands,
+                                          .events = (uint32_t)a->table_events,
+                                          .distances = (uint32_t)a->table_distances,
+                                          .cosines = (uint32_t)a->table_cosines,
+                                          .distance_min = 1e-6,
+                                          .distance_max = 1e3,
+                                          .g_range = a->table_g};
+    al_bake_options options = {.program = b->program, .threads = (unsigned)a->threads};
+    uint64_t key = al_impulse_tables_key(&settings), present;
+    al_device *device;
+    al_writer *probe; /* a place that cannot be written to is better known before than after */
+    if (settings.cosines % 2 == 0)
+        return al_fail(error, AL_USAGE, "--table-cosines takes an odd number, not %u", settings.cosines);
+    if (asset_key(path, AL_KIND_IMPULSE_TABLES, &present) && present == key) {
+        al_program_say(b->program, "%s is up to date", path);
+        return AL_OK;
+    }
+    al_status status = al_writer_open(path, AL_KIND_IMPULSE_TABLES, &probe, error);
+    if (status != AL_OK) return status;
+    al_writer_discard(probe);
+    status = open_device(b, 0, &device, error);
+    if (status == AL_OK)
+        status = al_impulse_tables_bake(path, &settings, key, device, &options, &b->report.steps, error);
+    if (status == AL_OK) al_program_say(b->program, "wrote %s", path);
+    return status;
+}
+
+/* Impulse tables in the folder, where the lightmap's rays need them: those that lie there, of whatever settings,
+ * else new ones. */
 static al_status open_tables(bake *b, al_file **file, al_impulse_tables **tables, al_error *error)
 {
     char path[1400];
@@ -218,7 +253,10 @@ static al_status open_tables(bake *b, al_file **file, al_impulse_tables **tables
     *tables = NULL;
     if (!b->import->scene.fog_count || b->import->description->lightmap.walls != AL_WALLS_PUBLISHED) return AL_OK;
     snprintf(path, sizeof path, "%s/impulse-tables.air", b->arguments->folder);
-    al_status status = al_file_open(path, &options, file, error);
+    uint64_t present;
+    al_status status = AL_OK;
+    if (!asset_key(path, AL_KIND_IMPULSE_TABLES, &present)) status = make_tables(b, path, error);
+    if (status == AL_OK) status = al_file_open(path, &options, file, error);
     return status == AL_OK ? al_impulse_tables_read(*file, tables, error) : status;
 }
 
@@ -335,7 +373,8 @@ static al_status bake_scene(bake *b, const char *scene, al_quality quality, al_e
 
 int main(int argc, char **argv)
 {
-    arguments a = {.quality = "medium", .devices = "0", .memory_limit_mib = 512};
+    arguments a = {.quality = "medium", .devices = "0", .memory_limit_mib = 512, .table_bands = 11,
+                   .table_events = 10, .table_distances = 256, .table_cosines = 21, .table_g = 0.5};
     const al_option options[] = {
         {"-o", "DIR", AL_OPTION_STRING, &a.folder, "folder of the baked assets; created when it is missing",
          0, 0},
@@ -348,6 +387,16 @@ int main(int argc, char **argv)
         {"--threads", "N", AL_OPTION_INT, &a.threads, "CPU threads (one per core)", 1, 256},
         {"--memory-limit", "MIB", AL_OPTION_REAL, &a.memory_limit_mib,
          "memory for swept fields on the device, and for a fog's grid (512)", 16, 1 << 20},
+        {"--tables", "FILE.air", AL_OPTION_STRING, &a.tables,
+         "make impulse tables alone, of an endless medium; no scene is read", 0, 0},
+        {"--table-bands", "N", AL_OPTION_INT, &a.table_bands, "their bands (11)", 3, AL_IMPULSE_BAND_LIMIT},
+        {"--table-events", "N", AL_OPTION_INT, &a.table_events, "their scattering events (10)", 1,
+         AL_IMPULSE_EVENT_LIMIT},
+        {"--table-distances", "N", AL_OPTION_INT, &a.table_distances, "their distances (256)", 16, 512},
+        {"--table-cosines", "N", AL_OPTION_INT, &a.table_cosines,
+         "their angles of the area emitter, an odd number (21)", 7, 33},
+        {"--table-g", "G", AL_OPTION_REAL, &a.table_g,
+         "event 1 is also tabulated at g = -G and G, as published (0.5)", 0.01, 0.99},
     };
     al_program program = {
         .name = "airlight-bake",
@@ -369,7 +418,15 @@ int main(int argc, char **argv)
     al_program_catch_signals();
     if (a.list_devices)
         status = list_devices(&error);
-    else if (!scene)
+    else if (a.tables && scene)
+        status = al_fail(&error, AL_USAGE, "--tables makes tables alone: it takes no scene, '%s' is one too many",
+                         scene);
+    else if (a.tables) {
+        status = read_devices(a.devices, &b, &error);
+        if (status == AL_OK) status = make_tables(&b, a.tables, &error);
+        for (unsigned i = 0; status == AL_OK && program.verbose && i < b.report.steps.count; i++)
+            al_program_say(&program, "%s: %.2f s", b.report.steps.steps[i].name, b.report.steps.steps[i].seconds);
+    } else if (!scene)
         status = al_fail(&error, AL_USAGE, "a scene file is missing; usage: airlight-bake SCENE.json -o DIR");
     else if (!a.folder && !a.plan)
         status = al_fail(&error, AL_USAGE, "-o DIR is missing: the folder to bake into");

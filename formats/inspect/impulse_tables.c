@@ -60,8 +60,9 @@ static al_status query_choice(const json_t *query, const char *key, const char *
     if (!value && other >= 0) return AL_OK;
     for (int i = 0; text && i < count; i++)
         if (!strcmp(text, names[i])) return *choice = i, AL_OK;
-    return al_fail(error, AL_USAGE, "--eval: \"%s\" should be \"%s\", \"%s\"%s%s%s", key, names[0], names[1],
-                   count > 2 ? " or \"" : "", count > 2 ? names[2] : "", count > 2 ? "\"" : "");
+    return count == 2 ? al_fail(error, AL_USAGE, "--eval: \"%s\" should be \"%s\" or \"%s\"", key, names[0], names[1])
+                      : al_fail(error, AL_USAGE, "--eval: \"%s\" should be \"%s\", \"%s\" or \"%s\"", key, names[0],
+                                names[1], names[2]);
 }
 
 static al_status query_events(const json_t *query, uint32_t last, al_impulse_query *q, al_error *error)

@@ -114,13 +114,65 @@ double al_impulse_irradiance(const al_impulse_answer *answer, double normal_z, d
  * band_count - 1 in `zh`; returns the axis' angle as in al_impulse_answer. */
 double al_impulse_zonal(const al_impulse_answer *answer, double *zh);
 
+/* --- one medium, many look-ups --- */
+
+/* Tables collapsed for one albedo and phase function: a look-up is one interpolation for all events together, at
+ * any density. Best variant; no beam. */
+typedef struct al_impulse_medium al_impulse_medium;
+
+typedef struct al_impulse_medium_settings {
+    uint32_t first_event, last_event; /* 1 to info.event_count */
+    double albedo;                    /* sigma_s/sigma_t, 0 to 1 */
+    double g;                         /* as in al_impulse_query, moments too */
+    const double *moments;
+    uint32_t moment_count;
+} al_impulse_medium_settings;
+
+/* Independent of the tables and their file once it is made. */
+al_status al_impulse_medium_make(const al_impulse_tables *tables, const al_impulse_medium_settings *settings,
+                                 al_impulse_medium **medium, al_error *error);
+void al_impulse_medium_free(al_impulse_medium *medium); /* NULL is allowed */
+
+/* As al_impulse_response with sigma_s = albedo sigma_t. sigma_t_per_m from 0. */
+void al_impulse_medium_response(const al_impulse_medium *medium, al_impulse_emitter emitter,
+                                double distance_m, double cos_normal, double sigma_t_per_m,
+                                al_impulse_answer *answer);
+/* Irradiance of a surface, W/m2: al_impulse_irradiance of that response, quicker. */
+double al_impulse_medium_irradiance(const al_impulse_medium *medium, al_impulse_emitter emitter,
+                                    double distance_m, double cos_normal, double sigma_t_per_m,
+                                    double normal_z, double normal_x);
+
+/* --- event 1 along one ray of bounded length --- */
+
+typedef struct al_impulse_ray {
+    al_impulse_emitter emitter;
+    double distance_m, cos_normal;           /* as in al_impulse_query */
+    double direction_z, direction_x;         /* of the ray from the receiver, unit length, in its frame */
+    double length_m;                         /* how far the ray sees; INFINITY: without end */
+    double sigma_s_per_m, sigma_a_per_m, g;  /* Henyey-Greenstein */
+} al_impulse_ray;
+
+/* Radiance in W/(m2 sr) that one scattering event on the ray brings to the receiver. Directional: exact. Point:
+ * within 1e-4 of it (|g| <= 0.99, any density); it grows like the inverse angle to the emitter, below 1e-6 the
+ * angle counts as 1e-6. Area: within 1 %, where the ray crosses the emitter's plane; 1e-3 else. */
+double al_impulse_airlight(const al_impulse_ray *ray);
+
 /* --- for writers --- */
 
 /* Numbers of an entry: bands; area: m = 0 from band 0, m = 1 from band 1, m = 2 from band 2, after each other;
  * fitted: the axis' angle, then bands. */
 uint32_t al_impulse_number_count(uint32_t emitter, uint32_t axis, uint32_t band_count);
-/* What values are divided by at `distance` mean free paths: docs/formats.md. */
-double al_impulse_asymptote(uint32_t emitter, uint32_t first_event, double distance);
+/* What values are divided by at `distance` mean free paths, exp(-distance) apart: docs/formats.md. */
+double al_impulse_falloff(uint32_t emitter, uint32_t first_event, uint32_t last_event, double distance);
+
+/* Cubic interpolation along one axis: the nodes from `first` on and their weights. */
+typedef struct al_impulse_stencil {
+    uint32_t first, count; /* count is 4, or 1 on an axis of one node */
+    double weights[4];
+} al_impulse_stencil;
+/* At `distance` mean free paths among `count` distances; at `cosine` among `count` cosines. */
+al_impulse_stencil al_impulse_distances(const al_impulse_info *info, uint32_t count, double distance);
+al_impulse_stencil al_impulse_cosines(uint32_t count, double cosine);
 
 typedef struct al_impulse_data {
     al_impulse_info info; /* table_count counts `tables` */
