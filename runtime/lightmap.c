@@ -1,4 +1,4 @@
-/* The lightmap on the GPU: a texture with three layers for each page. */
+/* The lightmap on the GPU: an array texture for each page, its layers those of irradiance, then of SH. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,6 +12,7 @@ static al_status begin(al_runtime *runtime, const al_arrival *arrival, al_error 
     if (!map->pages || !map->instances)
         return al_fail(error, AL_IO, "%s: no memory for its pages", runtime->scene.baked.lightmap);
     map->page_count = arrival->lightmap.page_count;
+    map->directional_order = arrival->lightmap.directional_order;
     map->half = arrival->lightmap.format == AL_LIGHTMAP_HALF;
     for (uint32_t i = 0; i < arrival->lightmap.instance_count; i++) {
         const al_lightmap_instance *from = &arrival->instances[i];
@@ -20,29 +21,41 @@ static al_status begin(al_runtime *runtime, const al_arrival *arrival, al_error 
     return AL_OK;
 }
 
+static const void *layer_values(const al_lightmap *map, const al_lightmap_page *page, uint64_t index)
+{
+    uint64_t each = (uint64_t)map->directional_order * map->directional_order, k = index - AL_LAYER_COUNT;
+    if (index < AL_LAYER_COUNT) return page->irradiance[index];
+    return (const uint8_t *)page->sh[k / each] + k % each * page->width * page->height * (map->half ? 6 : 12);
+}
+
 /* Layer by layer; the page counts as there once its last one is. */
 static al_status take_page(al_runtime *runtime, const al_arrival *arrival, uint64_t *budget, bool *done,
                            al_error *error)
 {
     const al_lightmap_page *page = &arrival->texels;
     al_light_page *out = &runtime->lightmap.pages[arrival->texels_index];
-    bool half = runtime->lightmap.half;
+    const al_lightmap *map = &runtime->lightmap;
+    bool half = map->half;
+    uint32_t layers = AL_LAYER_COUNT * (1 + map->directional_order * map->directional_order);
     if (!runtime->arrived) {
         al_status status =
             al_gl_texture_create(&runtime->memory, GL_TEXTURE_2D_ARRAY, half ? GL_RGB16F : GL_RGB32F,
-                                 page->width, page->height, AL_LAYER_COUNT, 1, &out->texels, error);
+                                 page->width, page->height, layers, 1, &out->texels, error);
         if (status) return status;
         glTextureParameteri(out->texels.id, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
         glTextureParameteri(out->texels.id, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     }
     uint64_t layer = (uint64_t)page->width * page->height * (half ? 6 : 12);
-    uint64_t count = al_budget_share(budget, layer, AL_LAYER_COUNT - runtime->arrived);
+    uint64_t count = al_budget_share(budget, layer, layers - runtime->arrived);
     for (uint64_t i = runtime->arrived; i < runtime->arrived + count; i++)
         glTextureSubImage3D(out->texels.id, 0, 0, 0, (GLint)i, (GLsizei)page->width, (GLsizei)page->height, 1,
-                            GL_RGB, half ? GL_HALF_FLOAT : GL_FLOAT, page->irradiance[i]);
+                            GL_RGB, half ? GL_HALF_FLOAT : GL_FLOAT, layer_values(map, page, i));
     runtime->arrived += (uint32_t)count;
-    *done = runtime->arrived == AL_LAYER_COUNT;
-    if (*done) memcpy(out->scale, page->scale, sizeof out->scale);
+    *done = runtime->arrived == layers;
+    if (*done) {
+        memcpy(out->scale, page->scale, sizeof out->scale);
+        memcpy(out->sh_scale, page->sh_scale, sizeof out->sh_scale);
+    }
     return AL_OK;
 }
 
@@ -93,10 +106,14 @@ void al_lightmap_bind(const al_draw *draw, uint32_t instance)
 {
     const al_lightmap_instance *place = draw->runtime->lightmap.instances[instance];
     const al_light_page *page = &draw->runtime->lightmap.pages[place->page];
-    float layers[AL_LAYER_COUNT];
+    float layers[AL_LAYER_COUNT], sh[AL_LAYER_COUNT];
     al_baked_layers(draw, layers);
-    for (int i = 0; i < AL_LAYER_COUNT; i++) layers[i] *= page->scale[i];
+    for (int i = 0; i < AL_LAYER_COUNT; i++) {
+        sh[i] = layers[i] * page->sh_scale[i];
+        layers[i] *= page->scale[i];
+    }
     glUniform4f(6, place->scale[0], place->scale[1], place->offset[0], place->offset[1]);
     glUniform3fv(7, 1, layers);
+    glUniform4f(17, sh[0], sh[1], sh[2], (float)draw->runtime->lightmap.directional_order);
     al_gl_bind_texture(AL_UNIT_LIGHTMAP, page->texels.id);
 }

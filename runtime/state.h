@@ -82,15 +82,16 @@ typedef struct al_fogs {
 } al_fogs;
 
 typedef struct al_light_page { /* of the lightmap */
-    al_gl_texture texels; /* array: surface, attenuated, scattered */
-    float scale[AL_LAYER_COUNT];
+    al_gl_texture texels; /* array: surface, attenuated, scattered; then the SH of each, if there are any */
+    float scale[AL_LAYER_COUNT], sh_scale[AL_LAYER_COUNT];
 } al_light_page;
 
 typedef struct al_lightmap {
     al_light_page *pages;                   /* [page_count] */
     const al_lightmap_instance **instances; /* [scene.instance_count], NULL: none; the loader's */
     uint32_t page_count;
-    bool half; /* its texels' format */
+    bool half;                  /* its texels' format */
+    uint32_t directional_order; /* bands of SH, 0: none */
 } al_lightmap;
 
 typedef struct al_probe_lights {

@@ -16,8 +16,9 @@ layout(location = 2) uniform vec4 emission;  // rgb in W/(m2 sr), roughness
 layout(location = 3) uniform vec4 optics;    // x: dielectric reflectance along the normal; y: 1 double-sided
 layout(location = 4) uniform ivec4 maps;     // which of the four textures exist
 #ifdef AL_LIGHTMAP
-layout(binding = 6) uniform sampler2DArray irradiance_map; // surface, attenuated, scattered
+layout(binding = 6) uniform sampler2DArray irradiance_map; // surface, attenuated, scattered; then the SH of each
 layout(location = 7) uniform vec3 layers;                  // W/m2 of each where the texture reads 1
+layout(location = 17) uniform vec4 sh_layers; // rgb: W/(m2 sr) of each where the texture reads 1; a: their order
 in vec2 page_uv;
 #endif
 #ifdef AL_PROBES
@@ -55,6 +56,29 @@ vec3 baked_irradiance(bool front)
         if (layers[i] > 0.0) sum += layers[i] * textureLod(irradiance_map, vec3(page_uv, float(i)), 0.0).rgb;
     return front ? sum : vec3(0.0);
 }
+
+// How much more light a bent normal gathers than the surface's own: of both the fold of the texel's SH with the
+// cosine, whose bands weigh pi, 2 pi/3, pi/4 and, of the fourth, nothing.
+vec3 bent_share(vec3 own, vec3 bent)
+{
+    int order = int(sh_layers.a), count = min(order * order, 9);
+    if (order < 2 || bent == own) return vec3(1.0);
+    float at_own[AL_SH_MAX_COUNT], at_bent[AL_SH_MAX_COUNT];
+    al_sh_basis(3, own.x, own.y, own.z, at_own);
+    al_sh_basis(3, bent.x, bent.y, bent.z, at_bent);
+    vec3 before = vec3(0.0), after = vec3(0.0);
+    for (int i = 0; i < 3; i++) {
+        if (sh_layers[i] == 0.0) continue;
+        for (int k = 0; k < count; k++) {
+            vec3 value = sh_layers[i] * textureLod(irradiance_map, vec3(page_uv, float(3 + i * order * order + k)), 0.0).rgb;
+            value *= k == 0 ? 1.0 : k < 4 ? 2.0 / 3.0 : 0.25;
+            before += value * at_own[k];
+            after += value * at_bent[k];
+        }
+    }
+    vec3 share = clamp(after / max(before, vec3(1e-30)), 0.0, 4.0);
+    return mix(share, vec3(1.0), lessThanEqual(before, vec3(0.0)));
+}
 #endif
 
 #ifdef AL_PROBES
@@ -78,6 +102,7 @@ void main()
     vec3 normal = size > 0.0 ? world_normal / size : -direction;
     bool front = gl_FrontFacing;
     if (!front) normal = -normal;
+    vec3 own = normal;
     normal = mapped_normal(normal);
 #ifdef AL_BOUNDARY
     geometry = vec4(normal, front ? max(away, 1e-30) : -max(away, 1e-30));
@@ -115,7 +140,7 @@ void main()
     if (maps.y != 0) glow *= texture(emission_map, surface_uv).rgb;
     if (!front && optics.y == 0.0) glow = vec3(0.0);
 #if defined(AL_LIGHTMAP)
-    radiance = vec4(s.diffuse / AL_PI * baked_irradiance(front) + glow, 1.0);
+    radiance = vec4(s.diffuse / AL_PI * baked_irradiance(front) * bent_share(own, normal) + glow, 1.0);
 #elif defined(AL_PROBES)
     radiance = vec4(shade_lights(s, choice.y != 0) + s.diffuse / AL_PI * probe_irradiance(s.normal) + glow, 1.0);
 #else

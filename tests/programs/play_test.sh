@@ -45,6 +45,8 @@ run 0 play --camera top --out "$work/b.exr"
 differs "$work/a.exr" "$work/b.exr"
 run 0 play --pass translucent --out "$work/b.exr"
 differs "$work/a.exr" "$work/b.exr"
+run 0 play --pass direct-scattering --no-fog --scattered off --fog-steps 8 --out "$work/b.exr"
+differs "$work/a.exr" "$work/b.exr"
 run 0 play --no-surface --out "$work/b.exr"
 differs "$work/a.exr" "$work/b.exr"
 run 0 play --exposure 3 --out "$work/b.exr" --out "$work/b.png"
@@ -85,6 +87,8 @@ for option in --out=b.exr --stats=s.json --frames=1 --fps=60 --accumulate --firs
 done
 fails 2 "--pass takes one of composite" play --pass nonsense
 fails 2 "--view-leg takes marched or sh" play --view-leg nonsense
+fails 2 "--scattered takes on or off" play --scattered maybe
+fails 2 "--fog-steps" play --fog-steps 0
 fails 2 "b.jpg" play --out "$work/b.jpg"
 fails 2 "--size" play --size 0x10
 fails 2 "--size" play --size 8193x10

@@ -131,6 +131,63 @@ static float *draw(al_runtime *runtime, const al_view *view, const al_settings *
     return pixels;
 }
 
+/* Radiance 1 + 0.8 x over the sphere of directions as SH of order 2: the fold with the cosine at n is
+ * pi (1 + 2/3 0.8 n_x). A normal map turns the floor's normal by 30 degrees towards +x. */
+static void test_normal_map(void)
+{
+    static float texels[AL_LAYER_COUNT * WIDTH * HEIGHT * 3], sh[AL_LAYER_COUNT * 4 * WIDTH * HEIGHT * 3];
+    static uint8_t state[WIDTH * HEIGHT], bent[4] = {191, 128, 238, 255}; /* (1/2, 0, sqrt(3)/2) */
+    static float uv[8] = {0, 0, 0, 1, 1, 1, 1, 0};
+    static const float vertices[3][5] = {{-1, 0, -1, 0, 0}, {-1, 0, 1, 0, 1}, {1, 0, 1, 1, 1}};
+    static const uint32_t triangle[3] = {0, 1, 2};
+    al_texture map = {"bent", 1, 1, false, bent};
+    char path[512];
+    al_error error = {0};
+    const size_t plane = WIDTH * HEIGHT * 3;
+    for (size_t i = 0; i < AL_LAYER_COUNT * plane; i++) texels[i] = (float)AL_PI;
+    for (size_t i = 0; i < AL_LAYER_COUNT * plane; i++) {
+        sh[(i / plane * 4) * plane + i % plane] = (float)sqrt(4 * AL_PI);
+        sh[(i / plane * 4 + 3) * plane + i % plane] = (float)(0.8 * sqrt(4 * AL_PI / 3));
+    }
+    memset(state, AL_TEXEL_BAKED, sizeof state);
+    const al_lightmap_instance instance = {.scale = {1, 1}, .triangle_count = 1};
+    const al_lightmap_source page = {WIDTH, HEIGHT, texels, sh, state};
+    const al_lightmap_data data = {.info = {.page_count = 1,
+                                            .instance_count = 1,
+                                            .format = AL_LIGHTMAP_HALF,
+                                            .directional_order = 2,
+                                            .vertex_count = 3,
+                                            .triangle_count = 1,
+                                            .texel_m = 0.5f},
+                                   .instances = &instance,
+                                   .pages = &page,
+                                   .vertices = vertices[0],
+                                   .triangles = triangle};
+    snprintf(path, sizeof path, "%s/room.lightmap.air", folder);
+    CHECK(al_lightmap_write(path, &data, NULL, &error) == AL_OK);
+    for (int turned = 0; turned < 2; turned++) {
+        al_runtime *runtime = NULL;
+        sphere_scene s;
+        sphere_scene_begin(&s);
+        s.meshes[1].uv0 = s.meshes[1].uv1 = uv;
+        sphere_scene_add_floor(&s, 2, (float[3]){0, 0, 0});
+        s.instances[0].lighting = AL_LIGHTING_LIGHTMAP;
+        s.scene.baked = (al_baked_light){"room.lightmap.air", ""};
+        s.scene.textures = &map;
+        s.scene.texture_count = 1;
+        if (turned) s.materials[1].normal_texture = 0;
+        CHECK(sphere_scene_write(folder, &s) && al_runtime_create(NULL, &runtime, &error) == AL_OK);
+        CHECK(stage_load(runtime, folder));
+        sphere_scene_end(&s);
+        al_view view = down_view((float[3]){0, 0, 0});
+        float *pixels = draw(runtime, &view, NULL);
+        /* 8 bits turn the normal by up to 0.4 %. */
+        CHECK_NEAR(pixels[3 * (EDGE / 2 * EDGE + EDGE / 2)], turned ? 1 + 0.8 * 2 / 3 * 0.5 : 1, 3e-3);
+        free(pixels);
+        al_runtime_destroy(runtime);
+    }
+}
+
 /* Radiance is irradiance / pi on white, bilinear between texels. Half texels: 2^-11; the texture unit's
  * weights have 8 bits or more of a texel's difference of at most a tenth. */
 static void check_map(al_runtime *runtime, const al_settings *settings, const double shares[AL_LAYER_COUNT])
@@ -250,6 +307,7 @@ int main(void)
     folder = stage_folder();
     if (!folder) return test_skip("no temporary folder");
     test_lightmap();
+    test_normal_map();
     test_probes();
     test_missing();
     test_streaming();
