@@ -6,17 +6,40 @@
 #include "airlight/formulas.h"
 #include "fog_points.h"
 #include "gather_path.h"
+#include "gather_response.h"
 
 /* --- what all points share --- */
+
+/* Published walls: the tables, and whether light stays finite with them. */
+static al_status open_responses(al_gather *gather, al_error *error)
+{
+    double gain;
+    if (!gather->tables)
+        return al_fail(error, AL_USAGE, "%s: published walls need impulse tables", gather->path);
+    al_status status = al_gather_responses_create(gather, error);
+    if (status) return status;
+    gather->responds = true;
+    al_gather_scratch *scratch = al_gather_scratch_new(gather);
+    bool done = scratch && al_gather_gain(gather, scratch, &gain);
+    al_gather_scratch_free(scratch);
+    if (!done) return al_fail(error, AL_IO, "out of memory for the light gathering");
+    if (gain < 1) return AL_OK;
+    return al_fail(
+        error, AL_BAD_INPUT,
+        "%s: lightmap.walls: with \"published\" light would grow without limit, %.3g times from "
+        "surface to surface, as it passes through walls: darker surfaces, fog that absorbs more or "
+        "\"bounded\" walls are right",
+        gather->path, gain);
+}
 
 static al_status open_parts(al_gather *gather, const al_import *import, al_error *error)
 {
     al_status status = al_ray_scene_create(import, AL_RAY_SCENE_STILL, &gather->rays, error);
     if (!status) status = al_gather_lights_create(import, gather->rays, &gather->lights, error);
     if (!status && gather->options.fog) status = al_fog_media_create(import, &gather->fog, error);
-    bool bounded = gather->options.walls != AL_WALLS_PUBLISHED;
-    if (!status && bounded && gather->fog.scatters) status = al_fog_points_create(gather, error);
-    return status;
+    if (status || !gather->fog.scatters) return status;
+    return gather->options.walls == AL_WALLS_PUBLISHED ? open_responses(gather, error)
+                                                       : al_fog_points_create(gather, error);
 }
 
 al_status al_gather_open(const al_import *import, const al_impulse_tables *tables,
@@ -40,6 +63,7 @@ void al_gather_close(al_gather *gather)
 {
     if (!gather) return;
     al_fog_points_free(gather->points);
+    al_gather_responses_free(gather);
     al_fog_media_free(&gather->fog);
     al_gather_lights_free(&gather->lights);
     al_ray_scene_free(gather->rays);
@@ -60,6 +84,8 @@ void al_gather_scratch_free(al_gather_scratch *scratch)
 }
 
 /* --- a point --- */
+
+static const double back_shift_texels = 0.125;
 
 typedef struct summing {
     const al_gather *gather;
@@ -88,32 +114,64 @@ static void fill_basis(const summing *s, const double direction[3], double basis
         al_sh_basis((int)s->gather->options.sh_order, direction[0], direction[1], direction[2], basis);
 }
 
+/* Adds what the fog of published walls scatters to the point from a source. */
+static void add_response(summing *s, const al_gather_source *source, const double power[3])
+{
+    double response[3];
+    if (!s->vertex.in_air) {
+        al_gather_response(s->gather, source, s->vertex.normal, response);
+        for (int c = 0; c < 3; c++) s->out->scattered[c] += power[c] * response[c];
+    }
+    if (s->gather->options.sh_order)
+        al_gather_response_sh(s->gather, source, power, s->gather->options.sh_order,
+                              s->out->sh[AL_GATHER_SCATTERED]);
+}
+
 static void add_lights(summing *s, al_sequence *sequence, double weight)
 {
     for (int kind = 0; kind < AL_LIGHT_KIND_COUNT; kind++) {
         al_gather_straight straight;
-        double basis[AL_SH_MAX_COUNT], plain[3], through[3];
+        double basis[AL_SH_MAX_COUNT], plain[3], through[3], power[3];
         if (!al_gather_look(s->gather, s->scratch, &s->vertex, (al_light_kind)kind, sequence, &straight))
             continue;
         const al_light_sample *light = &straight.light;
         for (int c = 0; c < 3; c++) {
-            plain[c] = weight * straight.share * light->power[c] * light->facing;
+            power[c] = weight * straight.share * light->power[c];
+            plain[c] = power[c] * light->facing;
             through[c] = plain[c] * straight.transmittance[c];
         }
         fill_basis(s, light->direction, basis);
         add(s, AL_GATHER_SURFACE, light->direction, basis, plain);
         add(s, AL_GATHER_ATTENUATED, light->direction, basis, through);
+        if (!s->gather->responds) continue;
+        al_gather_source source = al_gather_source_of_light(light, &straight.fog);
+        add_response(s, &source, power);
     }
+}
+
+static void add_response_of_way(summing *s, const al_gather_way *way, double share)
+{
+    al_gather_source source;
+    double scale, power[3];
+    if (!al_gather_source_of_way(way, &source, &scale)) return;
+    for (int c = 0; c < 3; c++) power[c] = share * scale * way->sent[AL_GATHER_TOTAL][c];
+    if (power[0] + power[1] + power[2] > 0) add_response(s, &source, power);
 }
 
 static bool add_path(summing *s, al_sequence *sequence, double weight)
 {
     double u[2], basis[AL_SH_MAX_COUNT], plain[3], through[3], scattered[3];
     al_gather_way way;
+    way.asks = s->gather->responds;
     al_sequence_pair(sequence, u);
-    al_gather_draw(s->gather, &s->vertex, u, way.ray.direction, &way.density_per_sr);
+    al_gather_draw(&s->vertex, u, way.ray.direction, &way.density_per_sr);
     if (!(way.density_per_sr > 0)) return true;
     al_gather_origin(&s->vertex, way.ray.direction, way.ray.origin);
+    const double *normal = s->vertex.normal;
+    bool behind = s->vertex.looks_back && normal[0] * way.ray.direction[0] +
+                                                  normal[1] * way.ray.direction[1] +
+                                                  normal[2] * way.ray.direction[2] <
+                                              0;
     double share = weight / way.density_per_sr, carried[3] = {share, share, share};
     if (!al_gather_follow(s->gather, s->scratch, s->gather->options.bounces, carried, 1, sequence, &way))
         return false;
@@ -123,6 +181,8 @@ static bool add_path(summing *s, al_sequence *sequence, double weight)
         scattered[c] = share * way.transmittance[c] * way.sent[AL_GATHER_TOTAL][c] - through[c] +
                        share * way.scattered[c];
     }
+    if (s->gather->responds) add_response_of_way(s, &way, share);
+    if (behind) return true;
     fill_basis(s, way.ray.direction, basis);
     add(s, AL_GATHER_SURFACE, way.ray.direction, basis, plain);
     add(s, AL_GATHER_ATTENUATED, way.ray.direction, basis, through);
@@ -135,13 +195,16 @@ bool al_gather_point(const al_gather *gather, al_gather_scratch *scratch, const 
                      const double *normal, double texel_m, uint64_t seed, al_gathered *out)
 {
     summing s = {.gather = gather, .scratch = scratch, .out = out};
-    (void)texel_m;
     *out = (al_gathered){0};
     s.vertex.in_air = !normal;
+    s.vertex.asks = gather->responds;
+    s.vertex.looks_back = normal && gather->options.back_scatter && gather->responds;
+    double shift_m = gather->options.back_scatter_shift_m > 0 ? gather->options.back_scatter_shift_m
+                                                              : back_shift_texels * texel_m;
     s.vertex.offset_m = al_ray_scene_offset_m(gather->rays);
     for (int k = 0; k < 3; k++) {
-        s.vertex.position[k] = position[k];
         s.vertex.normal[k] = normal ? normal[k] : 0;
+        s.vertex.position[k] = position[k] + (s.vertex.looks_back ? shift_m * normal[k] : 0);
     }
     uint32_t samples = gather->options.samples ? gather->options.samples : 1;
     for (uint32_t i = 0; i < samples; i++) {

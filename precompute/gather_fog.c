@@ -72,8 +72,9 @@ static bool clip(const al_fog_medium *medium, const al_ray *ray, double *begin_m
             continue;
         }
         double a = low / ray->direction[k], b = high / ray->direction[k];
-        *begin_m = fmax(*begin_m, fmin(a, b));
-        *end_m = fmin(*end_m, fmax(a, b));
+        double nearer = a < b ? a : b, farther = a < b ? b : a;
+        if (nearer > *begin_m) *begin_m = nearer;
+        if (farther < *end_m) *end_m = farther;
     }
     return *begin_m < *end_m;
 }
@@ -171,11 +172,30 @@ static double next_end(const al_fog_path *path, uint32_t media_count, double fro
     return next;
 }
 
+/* One constant medium is one cell. */
+static bool push_only(const al_fog_media *fog, const al_ray *ray, double end_m, al_fog_path *path)
+{
+    const al_fog_medium *medium = &fog->media[0];
+    double from = 0, to = end_m;
+    if (!clip(medium, ray, &from, &to)) return true;
+    al_fog_cell *cell = push(path);
+    if (!cell) return false;
+    cell->begin_m = from, cell->end_m = to, cell->g = medium->g;
+    for (int c = 0; c < 3; c++) {
+        cell->sigma_s_per_m[c] = medium->sigma_s_per_m[c];
+        cell->sigma_t_per_m[c] = medium->sigma_t_per_m[c];
+        cell->depth[c] = 0;
+        path->depth[c] = medium->sigma_t_per_m[c] > 0 ? medium->sigma_t_per_m[c] * (to - from) : 0;
+    }
+    return true;
+}
+
 bool al_fog_along(const al_fog_media *fog, const al_ray *ray, double end_m, al_fog_path *path)
 {
     double from = INFINITY, last = 0;
     path->count = 0;
     for (int c = 0; c < 3; c++) path->depth[c] = 0;
+    if (fog->count == 1 && !fog->media[0].density) return push_only(fog, ray, end_m, path);
     if (!path->spans) path->spans = malloc(sizeof(double) * 2 * (fog->count + (size_t)1));
     if (!path->spans) return false;
     for (uint32_t i = 0; i < fog->count; i++) {
@@ -223,6 +243,17 @@ al_fog_mean al_fog_mean_of(const al_fog_path *path, double length_m)
     al_fog_mean mean = {.length_m = length_m};
     double scattered_g = 0, scattering = 0;
     if (!path->count) return mean;
+    if (path->count == 1 && path->cells[0].begin_m == 0 && path->cells[0].end_m <= length_m) {
+        const al_fog_cell *only = &path->cells[0];
+        double share = isinf(length_m) || only->end_m == length_m ? 1 : only->end_m / length_m;
+        mean.length_m = fmin(length_m, isinf(length_m) ? only->end_m : length_m);
+        mean.g = only->g;
+        for (int c = 0; c < 3; c++) {
+            mean.sigma_s_per_m[c] = share * only->sigma_s_per_m[c];
+            mean.sigma_t_per_m[c] = share * only->sigma_t_per_m[c];
+        }
+        return mean;
+    }
     const al_fog_cell *last = &path->cells[path->count - 1];
     mean.length_m = fmin(length_m, isinf(length_m) ? last->end_m : length_m);
     for (uint32_t i = 0; i < path->count; i++) {

@@ -11,6 +11,7 @@
 #include <math.h>
 
 #include "airlight/formulas.h"
+#include "gather_response.h"
 #include "gather_scatter.h"
 
 /* After so many reflections a path may end by chance, the more likely the less it carries. */
@@ -38,48 +39,94 @@ static void make_axes(const double n[3], double a[3], double b[3])
     b[0] = r, b[1] = sign + n[1] * n[1] * q, b[2] = -n[1];
 }
 
-double al_gather_density(const al_gather *gather, const al_gather_vertex *vertex, const double direction[3])
+static const double even_share = 0.1, back_share = 0.25;
+static const double back_least = 1e-3; /* cosines behind reach from here to 1 */
+
+double al_gather_density(const al_gather_vertex *vertex, const double direction[3])
 {
-    (void)gather;
     if (vertex->in_air) return 1 / (4 * AL_PI);
-    return fmax(0, dot(vertex->normal, direction)) / AL_PI;
+    double cosine = dot(vertex->normal, direction), even = vertex->asks ? even_share : 0;
+    double front = vertex->looks_back ? 1 - back_share : 1;
+    if (cosine > 0) return front * ((1 - even) * cosine / AL_PI + even / (2 * AL_PI));
+    return vertex->looks_back && cosine <= -back_least ? back_share / (2 * AL_PI * -cosine * -log(back_least))
+                                                       : 0;
 }
 
-/* Evenly over the sphere: z = 1 - 2 u. In proportion to the cosine: cos^2 = 1 - u. */
-void al_gather_draw(const al_gather *gather, const al_gather_vertex *vertex, const double u[2],
-                    double direction[3], double *density_per_sr)
+/* The cosine to the normal: for all ways one number is enough, its range is dealt out and stretched. In
+ * proportion to the cosine: cos^2 = 1 - u. In proportion to 1/cosine: cos = least^u. */
+static double draw_cosine(const al_gather_vertex *vertex, double u)
+{
+    if (vertex->looks_back) {
+        if (u < back_share) return -pow(back_least, u / back_share);
+        u = (u - back_share) / (1 - back_share);
+    }
+    if (vertex->asks) {
+        if (u < even_share) return u / even_share;
+        u = (u - even_share) / (1 - even_share);
+    }
+    return sqrt(1 - u);
+}
+
+void al_gather_draw(const al_gather_vertex *vertex, const double u[2], double direction[3],
+                    double *density_per_sr)
 {
     double a[3] = {1, 0, 0}, b[3] = {0, 1, 0}, up[3] = {0, 0, 1}, cosine = 1 - 2 * u[0];
     if (!vertex->in_air) {
         make_axes(vertex->normal, a, b);
         for (int k = 0; k < 3; k++) up[k] = vertex->normal[k];
-        cosine = sqrt(1 - u[0]);
+        cosine = draw_cosine(vertex, u[0]);
     }
     double sine = sqrt(fmax(0, 1 - cosine * cosine)), x = sine * cos(2 * AL_PI * u[1]),
            y = sine * sin(2 * AL_PI * u[1]);
     for (int k = 0; k < 3; k++) direction[k] = x * a[k] + y * b[k] + cosine * up[k];
-    *density_per_sr = al_gather_density(gather, vertex, direction);
+    *density_per_sr = al_gather_density(vertex, direction);
+}
+
+al_gather_vertex al_gather_vertex_of(const al_surface_hit *hit)
+{
+    al_gather_vertex vertex = {.offset_m = hit->offset_m};
+    for (int k = 0; k < 3; k++) {
+        vertex.position[k] = hit->position[k];
+        vertex.normal[k] = hit->front ? hit->normal[k] : -hit->normal[k];
+    }
+    return vertex;
 }
 
 /* --- lights --- */
+
+/* Transmittance and, where responses are asked, the mean of the fog along a ray. */
+static bool pass_evenly(const al_gather *gather, al_gather_scratch *scratch, const al_ray *ray,
+                        double length_m, bool asks, double transmittance[3], al_fog_mean *mean)
+{
+    if (!asks) {
+        al_fog_transmittance(&gather->fog, ray, length_m, transmittance);
+        return true;
+    }
+    if (!al_fog_along(&gather->fog, ray, length_m, &scratch->fog)) return false;
+    *mean = al_fog_mean_of(&scratch->fog, length_m);
+    transmittance[0] = exp(-scratch->fog.depth[0]);
+    for (int c = 1; c < 3; c++)
+        transmittance[c] = gather->fog.grey ? transmittance[0] : exp(-scratch->fog.depth[c]);
+    return true;
+}
 
 bool al_gather_look(const al_gather *gather, al_gather_scratch *scratch, const al_gather_vertex *vertex,
                     al_light_kind kind, al_sequence *sequence, al_gather_straight *straight)
 {
     al_light_sample *light = &straight->light;
     al_ray ray;
-    (void)scratch;
     if (!al_gather_light_sample(&gather->lights, kind, vertex->position,
                                 vertex->in_air ? NULL : vertex->normal, sequence, light))
         return false;
-    if (!(light->facing > 0)) return false;
+    if (!(light->facing > 0) && !(vertex->asks)) return false;
     al_gather_origin(vertex, light->direction, ray.origin);
     if (!al_gather_light_is_seen(&gather->lights, ray.origin, light)) return false;
     for (int k = 0; k < 3; k++) ray.direction[k] = light->direction[k];
-    al_fog_transmittance(&gather->fog, &ray, light->distance_m, straight->transmittance);
-    double other = kind == AL_LIGHT_KIND_LAMP ? 0 : al_gather_density(gather, vertex, light->direction);
-    straight->share = 1 / (1 + other / light->density_per_sr);
-    if (kind == AL_LIGHT_KIND_LAMP) straight->share = 1;
+    if (!pass_evenly(gather, scratch, &ray, light->distance_m, vertex->asks, straight->transmittance,
+                     &straight->fog))
+        return false;
+    double other = kind == AL_LIGHT_KIND_LAMP ? 0 : al_gather_density(vertex, light->direction);
+    straight->share = kind == AL_LIGHT_KIND_LAMP ? 1 : 1 / (1 + other / light->density_per_sr);
     return true;
 }
 
@@ -88,14 +135,20 @@ static void add_lights(const al_gather *gather, al_gather_scratch *scratch, cons
 {
     for (int kind = 0; kind < AL_LIGHT_KIND_COUNT; kind++) {
         al_gather_straight straight;
+        double response[3] = {0};
         if (!al_gather_look(gather, scratch, vertex, (al_light_kind)kind, sequence, &straight)) continue;
         const al_light_sample *light = &straight.light;
         double cosine = dot(vertex->normal, light->direction);
+        if (vertex->asks) {
+            al_gather_source source = al_gather_source_of_light(light, &straight.fog);
+            al_gather_response(gather, &source, vertex->normal, response);
+        }
         for (int c = 0; c < 3; c++) {
-            double arrives = straight.share * light->power[c] * light->facing * cosine;
+            double power = straight.share * light->power[c], arrives = power * light->facing * cosine;
+            double attenuated = arrives * straight.transmittance[c];
             irradiance[AL_GATHER_SURFACE][c] += arrives;
-            irradiance[AL_GATHER_ATTENUATED][c] += arrives * straight.transmittance[c];
-            irradiance[AL_GATHER_TOTAL][c] += arrives * straight.transmittance[c];
+            irradiance[AL_GATHER_ATTENUATED][c] += attenuated;
+            irradiance[AL_GATHER_TOTAL][c] += attenuated + power * response[c];
         }
     }
 }
@@ -107,20 +160,27 @@ static bool estimate(const al_gather *gather, al_gather_scratch *scratch, const 
                      uint32_t bounces, const double carried[3], double importance, al_sequence *sequence,
                      al_gather_layers irradiance)
 {
-    double u[2], ahead[3];
+    double u[2], ahead[3], response[3] = {0}, scale;
     al_gather_way way;
+    al_gather_source source;
     add_lights(gather, scratch, vertex, sequence, irradiance);
     al_sequence_pair(sequence, u);
-    al_gather_draw(gather, vertex, u, way.ray.direction, &way.density_per_sr);
+    al_gather_draw(vertex, u, way.ray.direction, &way.density_per_sr);
     if (!(way.density_per_sr > 0)) return true;
     al_gather_origin(vertex, way.ray.direction, way.ray.origin);
-    for (int c = 0; c < 3; c++) ahead[c] = AL_PI * carried[c]; /* cosine over density */
+    double arrives = vertex->asks ? dot(vertex->normal, way.ray.direction) / way.density_per_sr : AL_PI;
+    for (int c = 0; c < 3; c++) ahead[c] = arrives * carried[c];
+    way.asks = vertex->asks;
     if (!al_gather_follow(gather, scratch, bounces, ahead, importance, sequence, &way)) return false;
+    if (way.asks && al_gather_source_of_way(&way, &source, &scale))
+        al_gather_response(gather, &source, vertex->normal, response);
     for (int c = 0; c < 3; c++) {
-        double through = AL_PI * way.transmittance[c];
-        irradiance[AL_GATHER_SURFACE][c] += AL_PI * way.sent[AL_GATHER_SURFACE][c];
+        double through = arrives * way.transmittance[c];
+        double scattered = arrives * way.scattered[c];
+        if (way.asks) scattered += scale / way.density_per_sr * response[c] * way.sent[AL_GATHER_TOTAL][c];
+        irradiance[AL_GATHER_SURFACE][c] += arrives * way.sent[AL_GATHER_SURFACE][c];
         irradiance[AL_GATHER_ATTENUATED][c] += through * way.sent[AL_GATHER_ATTENUATED][c];
-        irradiance[AL_GATHER_TOTAL][c] += through * way.sent[AL_GATHER_TOTAL][c] + AL_PI * way.scattered[c];
+        irradiance[AL_GATHER_TOTAL][c] += through * way.sent[AL_GATHER_TOTAL][c] + scattered;
     }
     return true;
 }
@@ -148,7 +208,7 @@ static bool add_reflection(const al_gather *gather, al_gather_scratch *scratch, 
                            al_gather_way *way)
 {
     const al_surface_hit *hit = &way->hit;
-    al_gather_vertex vertex = {.offset_m = hit->offset_m};
+    al_gather_vertex vertex = al_gather_vertex_of(hit);
     al_gather_layers irradiance = {{0}};
     double survival = 1, u[2], reflected[3], ahead[3];
     importance *= fmax(fmax(hit->albedo[0], hit->albedo[1]), hit->albedo[2]);
@@ -159,11 +219,10 @@ static bool add_reflection(const al_gather *gather, al_gather_scratch *scratch, 
         if (u[0] >= survival) return true;
     }
     for (int k = 0; k < 3; k++) {
-        vertex.position[k] = hit->position[k];
-        vertex.normal[k] = hit->front ? hit->normal[k] : -hit->normal[k];
         reflected[k] = hit->albedo[k] / (AL_PI * survival);
         ahead[k] = carried[k] * reflected[k];
     }
+    vertex.asks = gather->responds;
     if (!estimate(gather, scratch, &vertex, bounces - 1, ahead, importance / survival, sequence, irradiance))
         return false;
     for (int layer = 0; layer < AL_GATHER_LAYER_COUNT; layer++)
@@ -176,10 +235,8 @@ static bool pass_fog(const al_gather *gather, al_gather_scratch *scratch, const 
                      al_sequence *sequence, al_gather_way *way)
 {
     double length_m = way->met ? way->hit.distance_m : INFINITY;
-    if (!gather->points) {
-        al_fog_transmittance(&gather->fog, &way->ray, length_m, way->transmittance);
-        return true;
-    }
+    if (!gather->points)
+        return pass_evenly(gather, scratch, &way->ray, length_m, way->asks, way->transmittance, &way->fog);
     if (!al_fog_along(&gather->fog, &way->ray, length_m, &scratch->fog)) return false;
     way->transmittance[0] = exp(-scratch->fog.depth[0]);
     for (int c = 1; c < 3; c++)

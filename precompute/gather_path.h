@@ -8,17 +8,19 @@
 typedef struct al_gather_way {
     al_ray ray;
     double density_per_sr; /* of drawing the direction */
+    bool asks;             /* whether `fog` is wanted */
     bool met;              /* a surface ends it */
     al_surface_hit hit;
     double transmittance[3];
+    al_fog_mean fog;       /* where responses are asked */
     double scattered[3];   /* radiance that arrives from the fog on the way */
     double emitted[3];     /* by the far end, its share against being found as a light */
     al_gather_layers sent; /* radiance that leaves the far end along the ray: of surface or sky */
 } al_gather_way;
 
-/* Fills the way from its ray and density. `bounces`: diffuse reflections that may follow, the one at its end
- * included. `carried`: what arriving radiance is multiplied with on its way to the path's first point;
- * `importance`: the share that surfaces leave of it, for Russian roulette. */
+/* Fills the way from its ray, density and `asks`. `bounces`: diffuse reflections that may follow, the one at
+ * its end included. `carried`: what arriving radiance is multiplied with on its way to the path's first
+ * point; `importance`: the share that surfaces leave of it, for Russian roulette. */
 bool al_gather_follow(const al_gather *gather, al_gather_scratch *scratch, uint32_t bounces,
                       const double carried[3], double importance, al_sequence *sequence, al_gather_way *way);
 
@@ -26,6 +28,7 @@ bool al_gather_follow(const al_gather *gather, al_gather_scratch *scratch, uint3
 typedef struct al_gather_straight {
     al_light_sample light;
     double transmittance[3]; /* of the fog, and 0 behind what is opaque */
+    al_fog_mean fog;         /* where responses are asked */
     double share;            /* of this way to find the light, against directions drawn at the vertex */
 } al_gather_straight;
 
@@ -34,12 +37,17 @@ typedef struct al_gather_straight {
 bool al_gather_look(const al_gather *gather, al_gather_scratch *scratch, const al_gather_vertex *vertex,
                     al_light_kind kind, al_sequence *sequence, al_gather_straight *straight);
 
+/* The side of a surface that a ray met. */
+al_gather_vertex al_gather_vertex_of(const al_surface_hit *hit);
+
 /* Where rays from the vertex along `direction` begin. */
 void al_gather_origin(const al_gather_vertex *vertex, const double direction[3], double origin[3]);
 
-/* How directions are drawn at a vertex: in proportion to the cosine, or evenly in the air. */
-void al_gather_draw(const al_gather *gather, const al_gather_vertex *vertex, const double u[2],
-                    double direction[3], double *density_per_sr);
-double al_gather_density(const al_gather *gather, const al_gather_vertex *vertex, const double direction[3]);
+/* How directions are drawn at a vertex: in proportion to the cosine, or evenly in the air. Where responses
+ * are asked a tenth is even over the hemisphere, and for back-scatter a quarter goes behind, in proportion to
+ * 1/cosine there. */
+void al_gather_draw(const al_gather_vertex *vertex, const double u[2], double direction[3],
+                    double *density_per_sr);
+double al_gather_density(const al_gather_vertex *vertex, const double direction[3]);
 
 #endif

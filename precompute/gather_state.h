@@ -6,7 +6,8 @@
 #include "gather_fog.h"
 #include "gather_light.h"
 
-typedef struct al_fog_points al_fog_points; /* fog_points.h */
+typedef struct al_fog_points al_fog_points;       /* fog_points.h */
+typedef struct al_gather_kernel al_gather_kernel; /* gather_kernel.h */
 
 struct al_gather {
     al_gather_options options;
@@ -15,7 +16,9 @@ struct al_gather {
     al_gather_lights lights;
     al_fog_media fog; /* empty without fog */
     const al_impulse_tables *tables;
-    al_fog_points *points; /* bounded and traced walls, where fog scatters */
+    al_fog_points *points;        /* bounded and traced walls, where fog scatters */
+    al_gather_kernel *kernels[3]; /* published walls, by channel; NULL: the tables themselves are asked */
+    bool responds;                /* published walls and fog that scatters */
 };
 
 struct al_gather_scratch {
@@ -28,6 +31,8 @@ typedef struct al_gather_vertex {
     double position[3], normal[3];
     double offset_m; /* rays begin so far along the normal */
     bool in_air;     /* there is no normal; light from everywhere counts */
+    bool asks;       /* published walls: responses of the fog count */
+    bool looks_back; /* directions behind it are drawn too, for back-scatter */
 } al_gather_vertex;
 
 /* By layer and channel, but the third is everything: attenuated + scattered. */
