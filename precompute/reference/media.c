@@ -233,20 +233,16 @@ al_flight al_media_fly(al_media_line *line, double end_m, al_random *random, dou
 
 /* --- at a distance --- */
 
-static bool is_in(const al_media_part *part, double distance_m)
+bool al_media_part_scatters(const al_media_line *line, uint32_t part, double distance_m,
+                            double sigma_s_per_m[3], double *g)
 {
-    return distance_m >= part->begin_m && distance_m <= part->end_m;
-}
-
-void al_media_scattering(const al_media_line *line, double distance_m, double cosine, double out[3])
-{
-    out[0] = out[1] = out[2] = 0;
-    for (uint32_t i = 0; i < line->part_count; i++) {
-        if (!is_in(&line->parts[i], distance_m)) continue;
-        const medium *m = &line->media->media[line->parts[i].medium];
-        double scale = density_at(m, line->ray, distance_m) * al_phase(m->from.g, cosine);
-        for (int c = 0; c < 3; c++) out[c] += m->from.sigma_s_per_m[c] * scale;
-    }
+    const al_media_part *at = &line->parts[part];
+    const medium *m = &line->media->media[at->medium];
+    if (distance_m < at->begin_m || distance_m > at->end_m) return false;
+    double density = density_at(m, line->ray, distance_m);
+    for (int c = 0; c < 3; c++) sigma_s_per_m[c] = m->from.sigma_s_per_m[c] * density;
+    *g = m->from.g;
+    return density > 0;
 }
 
 double al_media_flight_density(const al_media_line *line, double distance_m)

@@ -47,8 +47,9 @@ al_flight al_media_fly(al_media_line *line, double end_m, al_random *random, dou
 /* Multiplies `throughput` by an unbiased estimate of the transmittance from the line's origin to `end_m`. */
 void al_media_attenuate(const al_media_line *line, double end_m, al_random *random, double throughput[3]);
 
-/* sigma_s p of all media together at a distance, for light that travels at this cosine to what it becomes. */
-void al_media_scattering(const al_media_line *line, double distance_m, double cosine, double out[3]);
+/* What a part of the line scatters with at a distance; false where it is not or is empty. */
+bool al_media_part_scatters(const al_media_line *line, uint32_t part, double distance_m,
+                            double sigma_s_per_m[3], double *g);
 /* About the probability per metre with which al_media_fly scatters at a distance: the same number every time.
  */
 double al_media_flight_density(const al_media_line *line, double distance_m);

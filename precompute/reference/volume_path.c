@@ -12,11 +12,14 @@
  * Emitters and the environment are also met by the path itself; the two ways share by the balance heuristic
  * (Veach and Guibas 1995), in which the probability of getting there through the media is common to both.
  *
- * Point lights in media: the light scattered along a stretch of ray grows like one over its distance from the
- * light, so each stretch also draws a scattering point by equal angles seen from the light (Kulla and Fajardo
- * 2012). It shares with the scattering events of the path: weights p / (p + q), with q an approximate density
- * of the events where media are not constant; weights that sum to one at every point leave no bias, whatever
- * they are.
+ * Lights in media: what a point of a light sends into a stretch of ray to be scattered there grows like one
+ * over its distance from the ray, so each stretch also draws a scattering point by equal angles seen from a
+ * point light, and one seen from a point of an emitter (Kulla and Fajardo 2012). These share with the
+ * scattering events of the path. With k = (density of the angles) / (density of the events along the ray), a
+ * the probability of drawing the light per steradian and p the phase function, the three ways to the light
+ * weigh by angles: a k / (a (1 + k) + p),   by asking: a / (a (1 + k) + p),   by meeting it: p / (a (1 + k) +
+ * p). The density of the events is a guess where media are not constant: weights that sum to one for every
+ * path leave no bias, whatever they are.
  *
  * Russian roulette, with the throughput's largest channel as the chance to live, ends paths; at least one in
  * a hundred dies at every vertex, so that even a path in endless fog that absorbs nothing ends. */
@@ -129,14 +132,25 @@ static double largest(const double v[3])
 
 typedef enum lobe { LOBE_COSINE, LOBE_PHASE, LOBE_SPHERE } lobe;
 
+/* Where media may be along a ray: nowhere unless begin_m < end_m. */
+typedef struct stretch {
+    al_ray ray;
+    double begin_m, end_m;
+} stretch;
+
+/* A scattering event of a path, to weigh it against equal angles. */
+typedef struct event {
+    stretch along;
+    double at_m, density; /* 0: no event */
+} event;
+
 typedef struct vertex {
     lobe lobe;
     double position[3]; /* off the surface: rays begin and end there */
     double axis[3];     /* cosine: the normal towards the path; phase: the path's direction */
     double g;
-    double scale[3];      /* of what arrives: albedo; for receivers the measure of their sphere */
-    const al_light *lamp; /* the point light to ask, NULL without any */
-    double lamp_share;    /* what is asked for here: the rest comes by equal angles */
+    double scale[3]; /* of what arrives: albedo; for receivers the measure of their sphere */
+    event event;
 } vertex;
 
 /* The lobe's value and probability in a direction, per steradian: its integral is 1. */
@@ -210,36 +224,83 @@ static vertex surface_vertex(const al_surface_hit *hit)
     return v;
 }
 
-static vertex scatter_vertex(const volume_path *state, const al_ray *ray, const al_flight *flight)
+static vertex scatter_vertex(const al_media_line *line, const stretch *along, const al_flight *flight)
 {
-    vertex v = {
-        .lobe = LOBE_PHASE, .scale = {1, 1, 1}, .g = al_media_asymmetry(&state->media, flight->medium)};
+    double at_m = flight->distance_m;
+    vertex v = {.lobe = LOBE_PHASE,
+                .scale = {1, 1, 1},
+                .g = al_media_asymmetry(line->media, flight->medium),
+                .event = {*along, at_m, al_media_flight_density(line, at_m)}};
     for (int k = 0; k < 3; k++) {
-        v.position[k] = ray->origin[k] + flight->distance_m * ray->direction[k];
-        v.axis[k] = ray->direction[k];
+        v.position[k] = along->ray.origin[k] + at_m * along->ray.direction[k];
+        v.axis[k] = along->ray.direction[k];
     }
     return v;
+}
+
+/* --- equal angles --- */
+
+/* distance = foot + height tan(angle), angle even between first and last. */
+typedef struct angles {
+    double foot_m, height_m, first, last;
+} angles;
+
+static bool aim(const stretch *along, const double light[3], angles *out)
+{
+    double to[3], square = 0;
+    if (!(along->begin_m < along->end_m)) return false;
+    for (int k = 0; k < 3; k++) to[k] = light[k] - along->ray.origin[k];
+    out->foot_m = dot(to, along->ray.direction);
+    for (int k = 0; k < 3; k++) {
+        double off = to[k] - out->foot_m * along->ray.direction[k];
+        square += off * off;
+    }
+    /* A light on the ray itself would make every angle the same. */
+    out->height_m = fmax(sqrt(square), 1e-9 * (1 + fabs(out->foot_m)));
+    out->first = atan2(along->begin_m - out->foot_m, out->height_m);
+    out->last = atan2(along->end_m - out->foot_m, out->height_m);
+    return out->last > out->first;
+}
+
+static double angle_density(const angles *a, double distance_m)
+{
+    double off = distance_m - a->foot_m;
+    return a->height_m / ((a->last - a->first) * (a->height_m * a->height_m + off * off));
+}
+
+/* Keeps products with 0 from being NaN. */
+static const double ratio_limit = 1e30;
+
+/* k of the comment on top, for light from a point that is scattered at the event. */
+static double angle_ratio(const event *at, const double light[3])
+{
+    angles a;
+    if (!(at->density > 0) || !aim(&at->along, light, &a)) return 0;
+    return fmin(angle_density(&a, at->at_m) / at->density, ratio_limit);
 }
 
 /* --- lights --- */
 
 typedef struct arrival { /* light that comes to a vertex from one direction */
     double towards[3], end_m;
-    double power[3]; /* irradiance facing it, or radiance over its probability per steradian */
-    double density;  /* that probability; 0: the path itself cannot meet this light */
+    double power[3];  /* irradiance facing it, or radiance over its probability per steradian */
+    double density;   /* that probability; 0: the path itself cannot meet this light */
+    double source[3]; /* the light's point, where it has one */
+    bool has_source;
 } arrival;
 
 /* Irradiance of a point light facing it; false on the light itself. */
 static bool ask_lamp(const al_light *lamp, const double position[3], arrival *a)
 {
     double square = 0;
+    *a = (arrival){.has_source = true};
     for (int k = 0; k < 3; k++) {
-        a->towards[k] = lamp->vector[k] - position[k];
+        a->source[k] = lamp->vector[k];
+        a->towards[k] = a->source[k] - position[k];
         square += a->towards[k] * a->towards[k];
     }
     if (!(square > 0)) return false;
     a->end_m = sqrt(square);
-    a->density = 0;
     for (int k = 0; k < 3; k++) {
         a->towards[k] /= a->end_m;
         a->power[k] = lamp->intensity[k] / square;
@@ -253,10 +314,11 @@ static const al_light *pick(const al_light *const *lights, uint32_t count, al_ra
     return lights[(uint32_t)(al_random_real(random) * count)];
 }
 
-static bool draw_lamp(const volume_path *state, const vertex *v, arrival *a)
+static bool draw_lamp(const volume_path *state, const double position[3], al_random *random, arrival *a)
 {
-    if (!v->lamp || !(v->lamp_share > 0) || !ask_lamp(v->lamp, v->position, a)) return false;
-    for (int c = 0; c < 3; c++) a->power[c] *= state->lamp_count * v->lamp_share;
+    const al_light *lamp = pick(state->lamps, state->lamp_count, random);
+    if (!lamp || !ask_lamp(lamp, position, a)) return false;
+    for (int c = 0; c < 3; c++) a->power[c] *= state->lamp_count;
     return true;
 }
 
@@ -273,33 +335,43 @@ static bool draw_sun(const volume_path *state, al_random *random, arrival *a)
     return true;
 }
 
-/* Per area to per steradian: distance squared over the cosine at the emitter. */
-static bool draw_emitter(const volume_path *state, const vertex *v, const double u[3], arrival *a)
+/* What a point of an emitter, drawn with per_m2, sends to a position. Per area to per steradian: distance
+ * squared over the cosine at the emitter. */
+static bool ask_emitter(const al_surface_hit *point, double per_m2, const double position[3], arrival *a)
 {
-    if (!al_emitters_count(state->emitters)) return false;
-    al_surface_hit point;
-    double per_m2 = al_emitters_sample(state->emitters, u, &point), end[3], back[3], square = 0;
-    for (int k = 0; k < 3; k++) back[k] = v->position[k] - point.position[k];
-    al_surface_offset(&point, back, end);
+    double back[3], square = 0;
+    *a = (arrival){.has_source = true};
+    for (int k = 0; k < 3; k++) back[k] = position[k] - point->position[k];
+    al_surface_offset(point, back, a->source);
     for (int k = 0; k < 3; k++) {
-        a->towards[k] = end[k] - v->position[k];
+        a->towards[k] = a->source[k] - position[k];
         square += a->towards[k] * a->towards[k];
     }
     if (!(square > 0)) return false;
     a->end_m = sqrt(square);
     for (int k = 0; k < 3; k++) a->towards[k] /= a->end_m;
-    double cosine = -dot(point.normal, a->towards);
-    if (point.material->double_sided) cosine = fabs(cosine);
+    double cosine = -dot(point->normal, a->towards);
+    if (point->material->double_sided) cosine = fabs(cosine);
     if (!(cosine > 0)) return false;
     a->density = per_m2 * square / cosine;
-    for (int c = 0; c < 3; c++) a->power[c] = point.emission_w_m2_sr[c] / a->density;
+    if (!isfinite(a->density)) return false;
+    for (int c = 0; c < 3; c++) a->power[c] = point->emission_w_m2_sr[c] / a->density;
     return true;
+}
+
+static bool draw_emitter(const volume_path *state, const double position[3], const double u[3], arrival *a)
+{
+    al_surface_hit point;
+    if (!al_emitters_count(state->emitters)) return false;
+    double per_m2 = al_emitters_sample(state->emitters, u, &point);
+    return ask_emitter(&point, per_m2, position, a);
 }
 
 static bool draw_sky(const volume_path *state, al_random *random, arrival *a)
 {
     if (!state->environment.map) return false;
     double u[2] = {al_random_real(random), al_random_real(random)}, radiance[3];
+    *a = (arrival){0};
     al_environment_sample(&state->environment, u, a->towards);
     a->density = al_environment_density(&state->environment, a->towards, radiance);
     a->end_m = INFINITY;
@@ -326,17 +398,15 @@ static bool ask_lights(const volume_path *state, scratch *s, const vertex *v, co
                        al_random *random, arrival arrivals[ARRIVALS], int *count)
 {
     int found = *count = 0;
-    found += draw_lamp(state, v, &arrivals[found]);
+    found += draw_lamp(state, v->position, random, &arrivals[found]);
     found += draw_sun(state, random, &arrivals[found]);
-    found += draw_emitter(state, v, u, &arrivals[found]);
+    found += draw_emitter(state, v->position, u, &arrivals[found]);
     found += draw_sky(state, random, &arrivals[found]);
     for (int i = 0; i < found; i++) {
         arrival a = arrivals[i];
-        double density = lobe_density(v, a.towards);
-        /* power * density * a.density / (a.density + density) */
-        double share = a.density > 0 ? density * a.density / (a.density + density) : density;
-        if (!(share > 0)) continue;
-        for (int c = 0; c < 3; c++) a.power[c] *= share * v->scale[c];
+        double value = lobe_density(v, a.towards), k = a.has_source ? angle_ratio(&v->event, a.source) : 0;
+        double share = a.density > 0 ? a.density / (a.density * (1 + k) + value) : 1 / (1 + k);
+        for (int c = 0; c < 3; c++) a.power[c] *= value * share * v->scale[c];
         if (!(largest(a.power) > 0)) continue;
         al_ray ray = leave(v, a.towards);
         if (!pass(state, s, &ray, random, &a)) return false;
@@ -345,72 +415,80 @@ static bool ask_lights(const volume_path *state, scratch *s, const vertex *v, co
     return true;
 }
 
-/* --- point lights along a stretch of ray, by equal angles --- */
+/* --- lights along a stretch of ray --- */
 
-/* distance = foot + height tan(angle), angle even between first and last. */
-typedef struct angles {
-    double foot_m, height_m, first, last;
-} angles;
-
-static bool aim(const al_media_line *line, const al_light *lamp, angles *out)
+static stretch stretch_of(const al_media_line *line)
 {
-    double begin_m = INFINITY, end_m = 0, to[3], square = 0;
+    stretch along = {.ray = *line->ray, .begin_m = INFINITY};
     for (uint32_t i = 0; i < line->part_count; i++) {
-        begin_m = fmin(begin_m, line->parts[i].begin_m);
-        end_m = fmax(end_m, line->parts[i].end_m);
+        along.begin_m = fmin(along.begin_m, line->parts[i].begin_m);
+        along.end_m = fmax(along.end_m, line->parts[i].end_m);
     }
-    if (!(begin_m < end_m)) return false;
-    out->foot_m = 0;
-    for (int k = 0; k < 3; k++) {
-        to[k] = lamp->vector[k] - line->ray->origin[k];
-        out->foot_m += to[k] * line->ray->direction[k];
-    }
-    for (int k = 0; k < 3; k++) {
-        double off = to[k] - out->foot_m * line->ray->direction[k];
-        square += off * off;
-    }
-    /* A light on the ray itself would make every angle the same. */
-    out->height_m = fmax(sqrt(square), 1e-9 * (1 + fabs(out->foot_m)));
-    out->first = atan2(begin_m - out->foot_m, out->height_m);
-    out->last = atan2(end_m - out->foot_m, out->height_m);
-    return out->last > out->first;
+    return along;
 }
 
-static double angle_density(const angles *a, double distance_m)
+/* A point of the stretch by equal angles from `light`: its distance, and the density it was drawn with, 0 for
+ * none. */
+static double draw_angle(const stretch *along, const double light[3], al_random *random, double *at_m,
+                         double position[3])
 {
-    double off = distance_m - a->foot_m;
-    return a->height_m / ((a->last - a->first) * (a->height_m * a->height_m + off * off));
+    angles a;
+    if (!aim(along, light, &a)) return 0;
+    *at_m = a.foot_m + a.height_m * tan(a.first + al_random_real(random) * (a.last - a.first));
+    if (!(*at_m >= along->begin_m && *at_m <= along->end_m) || !isfinite(*at_m)) return 0;
+    for (int k = 0; k < 3; k++) position[k] = along->ray.origin[k] + *at_m * along->ray.direction[k];
+    return angle_density(&a, *at_m);
 }
 
-/* Of the light scattered at this distance, what the path's own events account for. */
-static double event_share(const al_media_line *line, const angles *a, double distance_m)
+/* Adds what `from` sends to a point of the path's line, drawn with `density`, to be scattered there. */
+static bool add_scattered(const volume_path *state, scratch *s, double at_m, double density, arrival *from,
+                          const double position[3], const double throughput[3], al_random *random,
+                          double out[3])
 {
-    double event = al_media_flight_density(line, distance_m), angle = angle_density(a, distance_m);
-    return event + angle > 0 ? event / (event + angle) : 0;
-}
-
-/* Adds the light of one lamp, which stands for all, scattered at one point of the stretch. */
-static bool add_lamp(const volume_path *state, scratch *s, const al_light *lamp, const angles *a,
-                     const double throughput[3], al_random *random, double out[3])
-{
-    const al_ray *eye = s->path.ray;
-    double at_m = a->foot_m + a->height_m * tan(a->first + al_random_real(random) * (a->last - a->first));
-    double density = angle_density(a, at_m), scattered[3];
-    arrival from;
+    double cosine = dot(from->towards, s->path.ray->direction), sum[3] = {0}, sigma_s[3], g;
+    double events = al_media_flight_density(&s->path, at_m), k = fmin(density / events, ratio_limit);
+    if (!(events > 0)) return true;
+    for (uint32_t i = 0; i < s->path.part_count; i++) {
+        if (!al_media_part_scatters(&s->path, i, at_m, sigma_s, &g)) continue;
+        double phase = al_phase(g, cosine), met = from->density > 0 ? phase / from->density : 0;
+        for (int c = 0; c < 3; c++) sum[c] += sigma_s[c] * phase * k / (1 + k + met);
+    }
     al_ray ray;
-    for (int k = 0; k < 3; k++) ray.origin[k] = eye->origin[k] + at_m * eye->direction[k];
-    if (!(at_m >= 0) || !isfinite(at_m) || !(density > 0) || !ask_lamp(lamp, ray.origin, &from)) return true;
-    al_media_scattering(&s->path, at_m, dot(from.towards, eye->direction), scattered);
-    double share = 1 - event_share(&s->path, a, at_m);
     for (int c = 0; c < 3; c++) {
-        ray.direction[c] = from.towards[c];
-        from.power[c] *= throughput[c] * scattered[c] * state->lamp_count * share / density;
+        ray.origin[c] = position[c];
+        ray.direction[c] = from->towards[c];
+        from->power[c] *= throughput[c] * sum[c] / density;
     }
-    if (!(largest(from.power) > 0)) return true;
-    if (!pass(state, s, &ray, random, &from)) return false;
-    al_media_attenuate(&s->path, at_m, random, from.power);
-    for (int c = 0; c < 3; c++) out[c] += from.power[c];
+    if (!(largest(from->power) > 0)) return true;
+    if (!pass(state, s, &ray, random, from)) return false;
+    al_media_attenuate(&s->path, at_m, random, from->power);
+    for (int c = 0; c < 3; c++) out[c] += from->power[c];
     return true;
+}
+
+/* A lamp and a point of an emitter, each seen by equal angles. */
+static bool add_angles(const volume_path *state, scratch *s, const stretch *along, const double throughput[3],
+                       al_random *random, double out[3])
+{
+    double at_m, density, position[3];
+    arrival from;
+    const al_light *lamp = pick(state->lamps, state->lamp_count, random);
+    if (lamp) {
+        double place[3] = {lamp->vector[0], lamp->vector[1], lamp->vector[2]};
+        density = draw_angle(along, place, random, &at_m, position);
+        if (density > 0 && ask_lamp(lamp, position, &from)) {
+            for (int c = 0; c < 3; c++) from.power[c] *= state->lamp_count;
+            if (!add_scattered(state, s, at_m, density, &from, position, throughput, random, out))
+                return false;
+        }
+    }
+    if (!al_emitters_count(state->emitters)) return true;
+    al_surface_hit point;
+    double u[3] = {al_random_real(random), al_random_real(random), al_random_real(random)};
+    double per_m2 = al_emitters_sample(state->emitters, u, &point);
+    density = draw_angle(along, point.position, random, &at_m, position);
+    if (!(density > 0) || !ask_emitter(&point, per_m2, position, &from)) return true;
+    return add_scattered(state, s, at_m, density, &from, position, throughput, random, out);
 }
 
 /* --- paths --- */
@@ -421,6 +499,7 @@ typedef struct walk {
     al_ray ray;
     double density;
     double throughput[3];
+    event event; /* where it was drawn, if in a medium */
     uint32_t events, bounces;
 } walk;
 
@@ -440,7 +519,8 @@ static void add_emission(const volume_path *state, const walk *w, const al_surfa
 {
     if (!(largest(hit->emission_w_m2_sr) > 0)) return;
     double cosine = fabs(dot(hit->normal, w->ray.direction));
-    double asked = al_emitters_density(state->emitters, hit->material) * hit->distance_m * hit->distance_m;
+    double asked = al_emitters_density(state->emitters, hit->material) * hit->distance_m * hit->distance_m *
+                   (1 + angle_ratio(&w->event, hit->position));
     add_met(w, hit->emission_w_m2_sr, cosine > 0 ? asked / cosine : INFINITY, out);
 }
 
@@ -456,35 +536,30 @@ static bool walk_on(const volume_path *state, scratch *s, walk *w, al_random *ra
                     bool *goes_on, double out[3])
 {
     al_surface_hit hit;
-    angles seen;
     bool met = al_ray_scene_hit(state->scene, &w->ray, INFINITY, &hit);
     double end_m = met ? hit.distance_m : INFINITY;
-    const al_light *lamp = pick(state->lamps, state->lamp_count, random);
+    al_flight flight = {.distance_m = end_m};
     *goes_on = false;
     if (!al_media_line_fill(&state->media, state->scene, &w->ray, end_m, &s->path)) return false;
+    stretch along = stretch_of(&s->path);
     bool may_scatter = w->events < state->limits.max_events;
-    bool by_angles = may_scatter && lamp && aim(&s->path, lamp, &seen);
-    if (by_angles && counts(state, w->events + 1) &&
-        !add_lamp(state, s, lamp, &seen, w->throughput, random, out))
+    if (may_scatter && counts(state, w->events + 1) &&
+        !add_angles(state, s, &along, w->throughput, random, out))
         return false;
-    al_flight flight = {.distance_m = end_m};
     if (may_scatter)
         flight = al_media_fly(&s->path, end_m, random, w->throughput);
     else
         al_media_attenuate(&s->path, end_m, random, w->throughput);
     if (flight.scattered) {
-        *v = scatter_vertex(state, &w->ray, &flight);
-        v->lamp_share = by_angles ? event_share(&s->path, &seen, flight.distance_m) : 1;
+        *v = scatter_vertex(&s->path, &along, &flight);
         w->events++;
     } else {
         if (counts(state, w->events) && met) add_emission(state, w, &hit, out);
         if (counts(state, w->events) && !met) add_sky(state, w, out);
         if (!met || w->bounces >= state->limits.max_bounces) return true;
         *v = surface_vertex(&hit);
-        v->lamp_share = 1;
         w->bounces++;
     }
-    v->lamp = lamp;
     *goes_on = true;
     return true;
 }
@@ -518,6 +593,7 @@ static bool trace(const volume_path *state, scratch *s, walk *w, al_random *rand
         double direction[3], u0 = al_random_real(random), u1 = al_random_real(random);
         draw_direction(&v, u0, u1, direction);
         w->ray = leave(&v, direction);
+        w->event = v.event;
         w->density = lobe_density(&v, direction);
     }
 }
@@ -535,15 +611,12 @@ static bool radiance(const void *user, void *memory, const al_ray *eye, const do
     return trace(user, memory, &w, &numbers, out);
 }
 
-static vertex receiver_vertex(const volume_path *state, const al_receiver *receiver, al_random *random)
+static vertex receiver_vertex(const volume_path *state, const al_receiver *receiver)
 {
     const double *n = receiver->normal;
     bool is_probe = n[0] == 0 && n[1] == 0 && n[2] == 0;
     double measure = is_probe ? 4 * AL_PI : AL_PI;
-    vertex v = {.lobe = is_probe ? LOBE_SPHERE : LOBE_COSINE,
-                .scale = {measure, measure, measure},
-                .lamp = pick(state->lamps, state->lamp_count, random),
-                .lamp_share = 1};
+    vertex v = {.lobe = is_probe ? LOBE_SPHERE : LOBE_COSINE, .scale = {measure, measure, measure}};
     for (int k = 0; k < 3; k++) {
         v.axis[k] = receiver->normal[k];
         v.position[k] = receiver->position[k] + al_ray_scene_offset_m(state->scene) * v.axis[k];
@@ -566,7 +639,7 @@ static bool receive(const void *user, void *memory, const al_receiver *receiver,
 {
     const volume_path *state = user;
     al_random numbers = stream(random);
-    vertex v = receiver_vertex(state, receiver, &numbers);
+    vertex v = receiver_vertex(state, receiver);
     arrival arrivals[ARRIVALS];
     int count = 0;
     for (int i = 0; i < (v.lobe == LOBE_SPHERE ? AL_PROBE_COUNT : 1); i++)

@@ -1,22 +1,26 @@
 # Compares OURS.csv with TRUTH.csv row by row, by the columns after `skip`: r,g,b and their standard errors in both.
 # Prints the mean of (A - B)^2 / (EA^2 + EB^2), the difference of all points together in standard errors and in
 # percent, and the relative rms difference without noise. Exit 1 when chi2 is 2 or more, or all together differ by four
-# standard errors and 0.5 %. Usage: awk -F, -v skip=6 -f points.awk OURS.csv TRUTH.csv
+# standard errors and 0.5 %. With `order` given only the first of the three is compared, with TRUTH's column of that
+# order (0: direct) and its error eight columns later. Usage: awk -F, -v skip=6 -f points.awk OURS.csv TRUTH.csv
 /^[#x]/ { next }
 FNR == NR { ours[++count] = $0; next }
 {
     split(ours[++row], a, ",")
-    for (k = 1; k <= skip && k <= 3; k++)
-        if ((a[k] - $k) ^ 2 > 1e-12) { print "row " row ": another point"; bad = 1 }
-    for (c = skip + 1; c <= skip + 3; c++) {
-        noise = a[c + 3] ^ 2 + $(c + 3) ^ 2
-        if (noise > 0) { chi2 += (a[c] - $c) ^ 2 / noise; values++ }
-        else if (a[c] != $c) { print "row " row ": " a[c] " is not " $c " though both are sure"; bad = 1 }
-        difference += a[c] - $c; sum += $c; sum2 += $c ^ 2; variance += noise
-        square += (a[c] - $c) ^ 2
+    channels = order == "" ? 3 : 1
+    for (c = 1; c <= channels; c++) {
+        value = a[skip + c]; error = a[skip + c + 3]
+        at = order == "" ? skip + c : skip + 1 + order
+        truth = $at; truth_error = $(order == "" ? at + 3 : at + 8)
+        noise = error ^ 2 + truth_error ^ 2
+        if (noise > 0) { chi2 += (value - truth) ^ 2 / noise; values++ }
+        else if (value != truth) { print "row " row ": " value " is not " truth " though both are sure"; bad = 1 }
+        difference += value - truth; sum += truth; sum2 += truth ^ 2; variance += noise
+        square += (value - truth) ^ 2
+        ours_error[row] += error; theirs_error[row] += truth_error
     }
     # one path carries the three channels: their noise adds up
-    together += (a[skip + 4] + a[skip + 5] + a[skip + 6]) ^ 2 + ($(skip + 4) + $(skip + 5) + $(skip + 6)) ^ 2
+    together += ours_error[row] ^ 2 + theirs_error[row] ^ 2
 }
 END {
     if (!values || row != count) { print count + 0 " rows against " row + 0; exit 1 }
