@@ -180,7 +180,8 @@ static al_status bake_fogs(bake *b, al_error *error)
     return status;
 }
 
-/* Of everything scene.air is made from: the scene file and all it names, and the lightmap's second UV sets. */
+/* Of everything scene.air is made from: the scene file and all it names, and the lightmap's second UV sets.
+ */
 static uint64_t scene_key(const bake *b)
 {
     uint64_t key = XXH64(AIRLIGHT_VERSION, sizeof AIRLIGHT_VERSION, 0);
@@ -251,7 +252,8 @@ static al_status open_tables(bake *b, al_file **file, al_impulse_tables **tables
     al_open_options options = {.kind = AL_KIND_IMPULSE_TABLES};
     *file = NULL;
     *tables = NULL;
-    if (!b->import->scene.fog_count || b->import->description->lightmap.walls != AL_WALLS_PUBLISHED) return AL_OK;
+    if (!b->import->scene.fog_count || b->import->description->lightmap.walls != AL_WALLS_PUBLISHED)
+        return AL_OK;
     snprintf(path, sizeof path, "%s/impulse-tables.air", b->arguments->folder);
     uint64_t present;
     al_status status = AL_OK;
@@ -260,24 +262,33 @@ static al_status open_tables(bake *b, al_file **file, al_impulse_tables **tables
     return status == AL_OK ? al_impulse_tables_read(*file, tables, error) : status;
 }
 
+/* 0 without tables. */
+static uint64_t key_of_chunks(const al_file *file)
+{
+    uint64_t key = 0;
+    for (size_t i = 0; file && i < al_file_chunk_count(file); i++)
+        key = XXH64(&al_file_chunk(file, i)->checksum, sizeof(uint64_t), key);
+    return key;
+}
+
 /* The atlas is laid out whenever scene.air, which holds the second UV sets, or the lightmap is to be made. */
 static al_status bake_lightmap(bake *b, al_error *error)
 {
-    al_bake_options options = {.program = b->program,
-                               .folder = b->arguments->folder,
-                               .threads = (unsigned)b->arguments->threads};
+    al_bake_options options = {
+        .program = b->program, .folder = b->arguments->folder, .threads = (unsigned)b->arguments->threads};
     const char *name = b->import->scene.baked.lightmap;
     al_file *file = NULL;
     al_impulse_tables *tables = NULL;
     if (!al_atlas_needed(&b->import->scene)) return AL_OK;
     al_status status = open_tables(b, &file, &tables, error);
-    uint64_t tables_key = file ? al_file_chunk(file, 0)->checksum : 0;
-    if (status == AL_OK) status = al_bake_lightmap_key(b->import, tables_key, &b->lightmap_key, error);
+    if (status == AL_OK)
+        status = al_bake_lightmap_key(b->import, key_of_chunks(file), &b->lightmap_key, error);
     bool fresh = status == AL_OK && is_fresh(b, name, AL_KIND_LIGHTMAP, b->lightmap_key);
     if (status == AL_OK && !(fresh && is_fresh(b, "scene.air", AL_KIND_SCENE, scene_key(b))))
         status = lay_atlas(b, error);
     if (status == AL_OK && !fresh)
-        status = al_bake_lightmap(b->import, &b->atlas, b->lightmap_key, tables, &options, &b->report.light, error);
+        status = al_bake_lightmap(b->import, &b->atlas, b->lightmap_key, tables, &options, &b->report.light,
+                                  error);
     if (status == AL_OK)
         al_program_say(b->program, fresh ? "%s/%s is up to date" : "wrote %s/%s", b->arguments->folder, name);
     al_impulse_tables_free(tables);
@@ -304,8 +315,8 @@ static al_status write_scene(bake *b, al_error *error)
     }
     snprintf(provenance, sizeof provenance, "{\"key\":\"%016llx\"}", (unsigned long long)key);
     status = al_scene_write(path, &b->import->scene, provenance, &bytes, error);
-    b->report.steps.steps[b->report.steps.count++] =
-        (al_step){"scene", al_program_seconds() - started, bytes + glb_bytes, b->import->scene.instance_count};
+    b->report.steps.steps[b->report.steps.count++] = (al_step){
+        "scene", al_program_seconds() - started, bytes + glb_bytes, b->import->scene.instance_count};
     return status;
 }
 

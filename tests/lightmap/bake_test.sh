@@ -144,6 +144,24 @@ sed -e 's/"meshes": \[/"meshes": [{"name": "line", "file": "line.obj", "material
 fails 3 'has no area and cannot emit as its material "hot" says' "$bin/airlight-bake" "$work/flat.json" -o "$work/wrong"
 rm -rf "$work/wrong"
 
+# One triangle, from a tenth of a millimetre to ten kilometres, and one in a single texel, under a sky of 1: pi, from
+# cosine-distributed directions that all find the same within what halfs and draws of the sky allow, 1 %.
+printf 'v 0 0 0\nv 0 0 1\nv 1 0 0\nf 1 2 3\n' >"$work/triangle.obj"
+triangle() {
+    cat >"$work/triangle.json" <<SCENE
+{"meshes": [{"name": "t", "file": "triangle.obj", "unit_m": $1, "lighting": "lightmap"}],
+ "environment": {"radiance_w_m2_sr": 1}, "lightmap": {"samples": 256$2}}
+SCENE
+    run 0 "$bin/airlight-bake" "$work/triangle.json" -o "$work/triangle" --quiet --quality preview
+    run 0 "$bin/airlight-inspect" --json "$work/triangle/triangle.lightmap.air"
+    tr -d ' \n' <"$work/stdout" | sed 's/.*"surface":{"mean_w_m2":\[\([0-9.]*\),.*/\1/' |
+        awk '{ exit !($1 > 0.99 * 3.1416 && $1 < 1.01 * 3.1416) }' || wrong "a triangle of $1 m$2: $(cat "$work/stdout")"
+}
+triangle 1e-4 ""
+triangle 1 ""
+triangle 1e4 ""
+triangle 1 ', "texel_m": 10'
+
 # The plan says that it is needed, and for a scene without that it is not.
 run 0 "$bin/airlight-bake" "$work/room.json" --plan
 grep -A1 '"lightmap"' "$work/stdout" | grep -q '"needed": true' || wrong "the plan has no lightmap"
