@@ -95,12 +95,35 @@ static bool same_normal(const al_mesh *mesh, uint32_t a, uint32_t b)
     return (double)m[0] * n[0] + (double)m[1] * n[1] + (double)m[2] * n[2] > SAME_NORMAL;
 }
 
+/* Of the triangle that a side belongs to, not of unit length. */
+static void face_normal(const al_mesh *mesh, uint32_t side, double normal[3])
+{
+    const float *p[3];
+    double a[3], b[3];
+    for (uint32_t k = 0; k < 3; k++) p[k] = mesh->positions + 3 * (size_t)mesh->indices[side - side % 3 + k];
+    for (int k = 0; k < 3; k++) {
+        a[k] = (double)p[1][k] - p[0][k];
+        b[k] = (double)p[2][k] - p[0][k];
+    }
+    for (int k = 0; k < 3; k++) normal[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+}
+
+/* Files may give both sides of a sheet the same normals. */
+static bool same_side(const al_mesh *mesh, uint32_t side_a, uint32_t side_b)
+{
+    double a[3], b[3];
+    face_normal(mesh, side_a, a);
+    face_normal(mesh, side_b, b);
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] > 0;
+}
+
 /* Places along the edge that two triangles share, if it is a seam between them. */
 static void add_edge(seam_system *s, const al_mesh *mesh, const al_edges *edges,
                      const al_atlas_instance *placed, uint32_t side_a, uint32_t side_b)
 {
     end a[2], b[2];
     double longest = 0, apart = 0;
+    if (!same_side(mesh, side_a, side_b)) return;
     ends_of(mesh, placed, side_a, a);
     ends_of(mesh, placed, side_b, b);
     if (edges->points[a[0].vertex] != edges->points[b[0].vertex]) {
