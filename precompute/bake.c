@@ -153,7 +153,7 @@ static al_status bake_objects(bake *b, al_error *error)
     return AL_OK;
 }
 
-/* Fogs of one medium share an asset. */
+/* Fogs whose density varies. */
 static al_status bake_fogs(bake *b, al_error *error)
 {
     al_bake_options options = {.program = b->program,

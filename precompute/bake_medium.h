@@ -7,7 +7,7 @@
 /* Whether the fog needs an asset: a constant density, with bounds or without, does not. */
 bool al_fog_varies(const al_import *import, uint32_t fog);
 
-/* Name of the fog's file in the folder, as al_bake_object_file; fogs of one medium share it. */
+/* Name of the fog's file in the folder, as al_bake_object_file. */
 void al_bake_medium_file(const al_import *import, uint32_t fog, char *name, size_t size);
 
 /* Content hash of everything the asset depends on. */

@@ -1,0 +1,57 @@
+#!/bin/sh
+# Fogs as a job: a varying one becomes an asset, once; constant ones need none; what is wrong is refused.
+# usage: fog_test.sh FOLDER_OF_PROGRAMS
+set -u
+bin=$1
+. "$(dirname "$0")/../programs/expect.sh"
+
+# scene SIGMA PERIOD: a layered and a constant fog.
+scene() {
+    cat >"$work/fog.json" <<SCENE
+{
+  "lights": [{"name": "sun", "type": "directional", "direction": [0, -1, 0], "irradiance_w_m2": 3}],
+  "media": [
+    {"name": "haze", "sigma_s_per_m": $1, "density": {"type": "layers", "period_m": $2, "thickness_m": 0.25,
+     "bounds_min_m": [0, 0, 0], "bounds_max_m": [1, 1, 1]}},
+    {"name": "air", "sigma_s_per_m": 0.1}
+  ],
+  "fogs": ["haze", "air"]
+}
+SCENE
+}
+scene 1 0.5
+run 0 "$bin/airlight-bake" "$work/fog.json" -o "$work/fog"
+run 0 "$bin/airlight-inspect" --check "$work/fog/haze.medium.air"
+[ "$(ls "$work/fog")" = "haze.medium.air
+report.json
+scene.air" ] || wrong "the folder holds $(ls "$work/fog")"
+[ "$(grep -c '"kind": "medium"' "$work/fog/report.json")" = 1 ] || wrong "the report does not name the asset once"
+[ "$(grep -c '"name": "medium"' "$work/fog/report.json")" = 1 ] || wrong "the asset was not made once"
+run 0 "$bin/airlight-inspect" "$work/fog/scene.air"
+grep -q '"medium": "haze", "asset": "haze.medium.air"' "$work/stdout" || wrong "scene.air does not name the asset"
+grep -q '"medium": "air", "asset": ""' "$work/stdout" || wrong "a constant fog has an asset"
+
+# Where period and thickness are 1/2 and 1/4 m, y = 0.1 lies in a layer and y = 0.4 does not.
+run 0 "$bin/airlight-inspect" "$work/fog/haze.medium.air" --eval '{"position": [0.5, 0.1, 0.5]}'
+grep -q '"sigma_s_per_m": \[1.0, 1.0, 1.0\]' "$work/stdout" || wrong "says $(cat "$work/stdout")"
+run 0 "$bin/airlight-inspect" "$work/fog/haze.medium.air" --eval '{"position": [0.5, 0.4, 0.5], "time": 3}'
+grep -q '"sigma_s_per_m": \[0.0, 0.0, 0.0\]' "$work/stdout" || wrong "says $(cat "$work/stdout")"
+
+# Nothing twice; what changed, again.
+before=$(ls -i "$work/fog/haze.medium.air")
+run 0 "$bin/airlight-bake" "$work/fog.json" -o "$work/fog"
+[ "$before" = "$(ls -i "$work/fog/haze.medium.air")" ] || wrong "the asset was written again"
+scene 2 0.5
+run 0 "$bin/airlight-bake" "$work/fog.json" -o "$work/fog"
+run 0 "$bin/airlight-inspect" "$work/fog/haze.medium.air" --eval '{"position": [0.5, 0.1, 0.5]}'
+grep -q '"sigma_s_per_m": \[2.0, 2.0, 2.0\]' "$work/stdout" || wrong "another medium was not baked anew"
+
+run 0 "$bin/airlight-bake" "$work/fog.json" --plan
+grep -A1 '"step": "medium"' "$work/stdout" | grep -q '"needed": true' || wrong "the plan leaves the medium out"
+
+# A grid beyond the memory that was allowed: one line that says what to do.
+sed -i 's/"thickness_m": 0.25/"thickness_m": 0.02/' "$work/fog.json"
+run 3 "$bin/airlight-bake" "$work/fog.json" -o "$work/fog" --memory-limit 16
+grep -q 'fog.json: medium "haze" (line 4): its 256 x 256 x 256 voxels take 64 MiB as floats, --memory-limit allows 16' \
+    "$work/stderr" || wrong "says $(cat "$work/stderr")"
+finish
