@@ -15,6 +15,7 @@ struct al_impulse_tables {
     const al_impulse_table *events[3][2][AL_IMPULSE_EVENT_LIMIT + 1]; /* isotropic, of one event */
     const al_impulse_table *resolved[3];                              /* event 1 by its angle of scattering */
     const al_impulse_table *summed[3][2];                             /* isotropic, events 1 to event_count */
+    const al_impulse_table *all_in_one[3][2];                         /* the same with the beam */
     const al_impulse_table *phases[3][2][AL_IMPULSE_G_LIMIT];         /* event 1, g rising, 0 included */
     uint32_t phase_counts[3][2];
 };

@@ -204,21 +204,26 @@ bool al_impulse_event_numbers(const al_impulse_tables *tables, const al_impulse_
     return true;
 }
 
-/* All events of a medium that absorbs nothing, isotropic: one look-up. */
-static bool add_sum(const al_impulse_tables *tables, const al_impulse_query *q, uint32_t axis,
+/* The table that holds all that is asked of a medium that absorbs nothing and is isotropic; the one with the
+ * beam in it as published only. NULL: none. */
+static const al_impulse_table *summed_table(const al_impulse_tables *tables, const al_impulse_query *q,
+                                            uint32_t axis)
+{
+    if (q->sigma_a_per_m > 0 || !is_isotropic(q) || q->last_event != tables->info.event_count) return NULL;
+    if (q->first_event == 0 && q->variant == AL_IMPULSE_PUBLISHED && tables->all_in_one[q->emitter][axis])
+        return tables->all_in_one[q->emitter][axis];
+    return q->first_event <= 1 ? tables->summed[q->emitter][axis] : NULL;
+}
+
+static void add_sum(const al_impulse_tables *tables, const al_impulse_query *q, const al_impulse_table *t,
                     al_impulse_answer *answer)
 {
-    const al_impulse_table *t = tables->summed[q->emitter][axis];
-    if (!t || q->sigma_a_per_m > 0 || !is_isotropic(q) || q->last_event != tables->info.event_count ||
-        q->first_event > 1)
-        return false;
     double numbers[AL_IMPULSE_NUMBER_LIMIT] = {0};
-    double scale = asymptote(q, 1, t->last_event, q->sigma_s_per_m);
-    if (!(scale > 0)) return true;
+    double scale = asymptote(q, t->first_event, t->last_event, q->sigma_s_per_m);
+    if (!(scale > 0)) return;
     look_up(&tables->info, t, q->sigma_s_per_m * q->distance_m, q->cos_normal, 1, numbers);
-    scale_numbers(axis, scale, numbers);
-    add_numbers(q, axis, numbers, answer);
-    return true;
+    scale_numbers(t->axis, scale, numbers);
+    add_numbers(q, t->axis, numbers, answer);
 }
 
 void al_impulse_response(const al_impulse_tables *tables, const al_impulse_query *q,
@@ -232,8 +237,10 @@ void al_impulse_response(const al_impulse_tables *tables, const al_impulse_query
     memset(answer, 0, sizeof *answer);
     answer->band_count = tables->info.band_count;
     answer->m_count = q->emitter == AL_IMPULSE_AREA && !fitted ? AL_IMPULSE_M_COUNT : 1;
-    if (q->first_event == 0) add_beam(q, answer);
-    if (q->last_event == 0 || add_sum(tables, q, axis, answer)) return;
+    const al_impulse_table *sum = q->last_event > 0 ? summed_table(tables, q, axis) : NULL;
+    if (q->first_event == 0 && !(sum && sum->first_event == 0)) add_beam(q, answer);
+    if (sum) add_sum(tables, q, sum, answer);
+    if (sum || q->last_event == 0) return;
     double numbers[AL_IMPULSE_NUMBER_LIMIT];
     for (uint32_t event = q->first_event ? q->first_event : 1; event <= q->last_event; event++)
         if (al_impulse_event_numbers(tables, q, axis, event, numbers)) add_numbers(q, axis, numbers, answer);

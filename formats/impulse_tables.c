@@ -210,6 +210,8 @@ static void place_table(al_impulse_tables *tables, uint32_t index, al_report *re
                           AL_IMPULSE_G_LIMIT);
     else if (!one && t->first_event == 1 && t->last_event == tables->info.event_count)
         tables->summed[t->emitter][t->axis] = t;
+    else if (!one && t->first_event == 0 && t->last_event == tables->info.event_count)
+        tables->all_in_one[t->emitter][t->axis] = t;
     if (one && t->g == 0) tables->events[t->emitter][t->axis][t->first_event] = t;
 }
 

@@ -14,13 +14,14 @@
 #include "bake_medium.h"
 #include "bake_object.h"
 #include "glb.h"
-#include "impulse.h"
+#include "impulse_steps.h"
 #include "report.h"
 
 typedef struct arguments {
     const char *folder, *quality, *devices, *tables;
     int table_bands, table_events, table_distances, table_cosines;
     double table_g;
+    bool table_all_in_one;
     bool plan, list_devices;
     int threads;
     double memory_limit_mib;
@@ -223,7 +224,8 @@ static al_status make_tables(bake *b, const char *path, al_error *error)
                                           .cosines = (uint32_t)a->table_cosines,
                                           .distance_min = 1e-6,
                                           .distance_max = 1e3,
-                                          .g_range = a->table_g};
+                                          .g_range = a->table_g,
+                                          .all_in_one = a->table_all_in_one};
     al_bake_options options = {.program = b->program, .threads = (unsigned)a->threads};
     uint64_t key = al_impulse_tables_key(&settings), present;
     al_device *device;
@@ -408,6 +410,8 @@ int main(int argc, char **argv)
          "their angles of the area emitter, an odd number (21)", 7, 33},
         {"--table-g", "G", AL_OPTION_REAL, &a.table_g,
          "event 1 is also tabulated at g = -G and G, as published (0.5)", 0.01, 0.99},
+        {"--table-all-in-one", NULL, AL_OPTION_FLAG, &a.table_all_in_one,
+         "also the published single table: beam and all events of a medium that absorbs nothing", 0, 0},
     };
     al_program program = {
         .name = "airlight-bake",

@@ -1,7 +1,7 @@
 /* Step 2 of the impulse tables on the device, in single precision. */
 #include <stdlib.h>
 
-#include "impulse.h"
+#include "impulse_steps.h"
 
 static al_status float_buffer(al_device *device, const double *numbers, size_t count, cl_mem *buffer,
                               al_error *error)

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "impulse.h"
+#include "impulse_steps.h"
 #include "parallel.h"
 
 static _Thread_local int work_id[3], work_size[3];

@@ -11,7 +11,7 @@
 
 #include "airlight/formulas.h"
 #include "airlight/sh.h"
-#include "impulse.h"
+#include "impulse_steps.h"
 
 /* sum of z^2; z [bands]. sh: numbers with their sines. */
 static double project(uint32_t bands, const double *sh, double angle, double *z)

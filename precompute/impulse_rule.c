@@ -6,7 +6,7 @@
 
 #include "airlight/formulas.h"
 #include "airlight/sh.h"
-#include "impulse.h"
+#include "impulse_steps.h"
 
 /* Where the sums end. Angles: s = 2 atan(exp(y)) down to 3e-5, of which a phase function of g = 0.99 (width
  * 0.01) keeps the square, 1e-5; up to pi - s = 1e-2 of 1e-5 for g = -0.99, and, for sources that reach a mean

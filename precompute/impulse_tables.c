@@ -1,7 +1,7 @@
 /* The bake of the impulse tables: for each emitter the beam, then one event after the other, each in the
  * light of the one before; event 1 split by its angle of scattering; the published area emitter; the check.
  */
-#include "impulse.h"
+#include "impulse_steps.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -13,7 +13,7 @@
 #include "airlight/formulas.h"
 
 enum {
-    TABLE_LIMIT = 3 * (2 * (AL_IMPULSE_EVENT_LIMIT + 4) + 1),
+    TABLE_LIMIT = 3 * (2 * (AL_IMPULSE_EVENT_LIMIT + 5) + 1),
     SHARE_DISTANCES = 64, /* of tables that are split by angle: they carry differences only */
     SHARE_COSINES = 9,
     METHOD = 2,       /* of the key: raised with every change of what is computed */
@@ -76,11 +76,11 @@ static float *add_table(work *w, al_impulse_emitter emitter, al_impulse_axis axi
     return values;
 }
 
-static al_impulse_table *find(work *w, al_impulse_emitter emitter, al_impulse_axis axis, uint32_t first,
-                              uint32_t last, double g)
+static const al_impulse_table *find(const work *w, al_impulse_emitter emitter, al_impulse_axis axis,
+                                    uint32_t first, uint32_t last, double g)
 {
     for (uint32_t i = 0; i < w->count; i++) {
-        al_impulse_table *t = &w->tables[i];
+        const al_impulse_table *t = &w->tables[i];
         if (t->emitter == emitter && t->axis == axis && t->first_event == first && t->last_event == last &&
             t->g == (float)g && !t->angle_count)
             return t;
@@ -309,23 +309,37 @@ cleanup:
 
 /* --- sums and fits --- */
 
-/* Events 1 to the last of a medium that absorbs nothing. */
-static al_status make_sum(work *w, al_impulse_emitter emitter, al_error *error)
+/* Adds an event to an entry; the beam is event 0. */
+static void add_event(const work *w, al_impulse_emitter emitter, uint32_t event, size_t entry, double ratio,
+                      double *sum)
+{
+    uint32_t bands = w->settings->bands;
+    const al_impulse_table *t =
+        find(w, emitter, AL_IMPULSE_AXIS_EMITTER, event ? event : 1, event ? event : 1, 0);
+    if (event > 0) {
+        for (uint32_t n = 0; n < t->number_count; n++)
+            sum[n] += ratio * t->values[entry * t->number_count + n];
+        return;
+    }
+    double light = fmax(0, al_impulse_cosine(t->cosine_count, (uint32_t)(entry / t->distance_count)));
+    for (uint32_t l = 0; l < bands; l++) sum[l] += ratio * light * sqrt((2 * l + 1) / (4 * AL_PI));
+}
+
+/* Events `first` (0 or 1) to the last of a medium that absorbs nothing. */
+static al_status make_sum(work *w, al_impulse_emitter emitter, uint32_t first, al_error *error)
 {
     uint32_t events = w->settings->events;
-    if (events == 1) return AL_OK;
-    float *sums = add_table(w, emitter, AL_IMPULSE_AXIS_EMITTER, 1, events, 0);
+    if (first == events) return AL_OK;
+    float *sums = add_table(w, emitter, AL_IMPULSE_AXIS_EMITTER, first, events, 0);
     if (!sums) return out_of_memory(error);
     const al_impulse_table *made = &w->tables[w->count - 1];
     for (size_t i = 0; i < (size_t)made->cosine_count * made->distance_count; i++) {
         double d = w->distances[i % made->distance_count], sum[AL_IMPULSE_NUMBER_LIMIT] = {0};
-        for (uint32_t event = 1; event <= events; event++) {
-            const al_impulse_table *t = find(w, emitter, AL_IMPULSE_AXIS_EMITTER, event, event, 0);
-            double ratio =
-                al_impulse_falloff(emitter, event, event, d) / al_impulse_falloff(emitter, 1, events, d);
-            for (uint32_t n = 0; n < made->number_count; n++)
-                sum[n] += ratio * t->values[i * made->number_count + n];
-        }
+        for (uint32_t event = first; event <= events; event++)
+            add_event(w, emitter, event, i,
+                      al_impulse_falloff(emitter, event, event, d) /
+                          al_impulse_falloff(emitter, first, events, d),
+                      sum);
         for (uint32_t n = 0; n < made->number_count; n++) sums[i * made->number_count + n] = (float)sum[n];
     }
     return AL_OK;
@@ -358,9 +372,9 @@ uint64_t al_impulse_tables_key(const al_impulse_settings *s)
     char text[256];
     int size =
         snprintf(text, sizeof text,
-                 "%s impulse-tables %d %" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %.17g %.17g %.17g",
+                 "%s impulse-tables %d %" PRIu32 " %" PRIu32 " %" PRIu32 " %" PRIu32 " %.17g %.17g %.17g%s",
                  AIRLIGHT_VERSION, METHOD, s->bands, s->events, s->distances, s->cosines, s->distance_min,
-                 s->distance_max, s->g_range);
+                 s->distance_max, s->g_range, s->all_in_one ? " all in one" : "");
     return XXH64(text, (size_t)size, 0);
 }
 
@@ -399,7 +413,9 @@ static al_status make_all(work *w, const char *path, uint64_t key, al_steps *ste
     }
     for (int e = 0; e < 3 && status == AL_OK; e++) status = make_shares(w, (al_impulse_emitter)e, error);
     if (status == AL_OK) finish_step(steps, "angles of scattering", &started, 0, 3);
-    for (int e = 0; e < 3 && status == AL_OK; e++) status = make_sum(w, (al_impulse_emitter)e, error);
+    for (uint32_t first = w->settings->all_in_one ? 0 : 1; first <= 1; first++)
+        for (int e = 0; e < 3 && status == AL_OK; e++)
+            status = make_sum(w, (al_impulse_emitter)e, first, error);
     if (status == AL_OK) status = make_fits(w, error);
     if (status == AL_OK) finish_step(steps, "sums and axes", &started, 0, w->count);
     for (int e = 0; e < 3 && status == AL_OK; e++) status = check_emitter(w, (al_impulse_emitter)e, error);

@@ -60,9 +60,10 @@ static al_status query_choice(const json_t *query, const char *key, const char *
     if (!value && other >= 0) return AL_OK;
     for (int i = 0; text && i < count; i++)
         if (!strcmp(text, names[i])) return *choice = i, AL_OK;
-    return count == 2 ? al_fail(error, AL_USAGE, "--eval: \"%s\" should be \"%s\" or \"%s\"", key, names[0], names[1])
-                      : al_fail(error, AL_USAGE, "--eval: \"%s\" should be \"%s\", \"%s\" or \"%s\"", key, names[0],
-                                names[1], names[2]);
+    return count == 2 ? al_fail(error, AL_USAGE, "--eval: \"%s\" should be \"%s\" or \"%s\"", key, names[0],
+                                names[1])
+                      : al_fail(error, AL_USAGE, "--eval: \"%s\" should be \"%s\", \"%s\" or \"%s\"", key,
+                                names[0], names[1], names[2]);
 }
 
 static al_status query_events(const json_t *query, uint32_t last, al_impulse_query *q, al_error *error)
@@ -76,17 +77,17 @@ static al_status query_events(const json_t *query, uint32_t last, al_impulse_que
     for (size_t i = 0; i < count; i++) {
         const json_t *event = json_array_get(value, i);
         json_int_t number = json_integer_value(event);
-        good = good && json_is_integer(event) && number >= 1 && number <= last &&
+        good = good && json_is_integer(event) && number >= 0 && number <= last &&
                number == json_integer_value(json_array_get(value, 0)) + (json_int_t)i;
         if (good && i == 0) q->first_event = (uint32_t)number;
         if (good) q->last_event = (uint32_t)number;
     }
-    return good
-               ? AL_OK
-               : al_fail(error, AL_USAGE,
-                         "--eval: \"events\" should be \"direct\", \"all\" or numbers from 1 to %u one after "
-                         "the other, such as [1] or [1, 2, 3]",
-                         last);
+    return good ? AL_OK
+                : al_fail(error, AL_USAGE,
+                          "--eval: \"events\" should be \"direct\", \"all\" or numbers from 0 (the beam) to "
+                          "%u one after "
+                          "the other, such as [1] or [1, 2, 3]",
+                          last);
 }
 
 static al_status read_query(const json_t *query, const al_impulse_info *info, al_impulse_query *q,

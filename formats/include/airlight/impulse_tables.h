@@ -73,7 +73,8 @@ const al_impulse_table *al_impulse_tables_table(const al_impulse_tables *tables,
 
 typedef enum al_impulse_variant {
     AL_IMPULSE_BEST = 0,     /* area: m <= 2; phase functions without interpolation */
-    AL_IMPULSE_PUBLISHED = 1 /* area: fitted axis; g interpolated between the tables, not beyond them */
+    AL_IMPULSE_PUBLISHED = 1 /* area: fitted axis; g interpolated between the tables, not beyond them; the beam out
+                              * of the table with all in one, where there is one and it applies */
 } al_impulse_variant;
 
 typedef struct al_impulse_query {

@@ -12,6 +12,7 @@ typedef struct al_impulse_settings {
     uint32_t distances, cosines;       /* cosines: odd, 7 to 33 */
     double distance_min, distance_max; /* mean free paths */
     double g_range;                    /* event 1 is also tabulated at -g_range and g_range */
+    bool all_in_one; /* also the paper's single table: beam and all events, nothing absorbed */
 } al_impulse_settings;
 
 /* Equal steps of the logarithm of distance. */
