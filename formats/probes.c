@@ -79,17 +79,78 @@ static bool walk(const al_probes *probes, const float point[3], uint32_t *tetrah
     return false;
 }
 
-static uint32_t search(const al_probes *probes, const float point[3])
+/* Where the mesh has a hole the walk may end although a tetrahedron holds the point. */
+static bool search(const al_probes *probes, const float point[3], uint32_t *tetrahedron)
 {
-    uint32_t best = 0;
-    double most = -INFINITY, b[4];
-    for (uint32_t t = 0; t < probes->info.tetrahedron_count; t++) {
-        int least = barycentric(probes, t, point, b);
-        if (b[least] <= most) continue;
-        most = b[least];
-        best = t;
+    double b[4];
+    for (uint32_t t = 0; t < probes->info.tetrahedron_count; t++)
+        if (b[barycentric(probes, t, point, b)] >= -1e-6) {
+            *tetrahedron = t;
+            return true;
+        }
+    return false;
+}
+
+/* Barycentric coordinates (1 - v - w, v, w) of the nearest point of a triangle: inside, the foot of the
+ * perpendicular; else on the nearest of the edges. Answers its squared distance. */
+static double nearest_on_triangle(const float *const p[3], const float point[3], double weights[3])
+{
+    double e[2][3], to[3], d[2], nearest = INFINITY;
+    double g00 = 0, g01 = 0, g11 = 0;
+    d[0] = d[1] = 0;
+    for (int i = 0; i < 3; i++) {
+        e[0][i] = (double)p[1][i] - p[0][i];
+        e[1][i] = (double)p[2][i] - p[0][i];
+        to[i] = (double)point[i] - p[0][i];
+        g00 += e[0][i] * e[0][i];
+        g01 += e[0][i] * e[1][i];
+        g11 += e[1][i] * e[1][i];
+        d[0] += e[0][i] * to[i];
+        d[1] += e[1][i] * to[i];
     }
-    return best;
+    double determinant = g00 * g11 - g01 * g01;
+    double v = (g11 * d[0] - g01 * d[1]) / determinant, w = (g00 * d[1] - g01 * d[0]) / determinant;
+    /* The foot itself, then the nearest point of each edge: (v, w) on w = 0, on v = 0, on v + w = 1. */
+    double along = (g00 - g01 + d[1] - d[0]) / (g00 - 2 * g01 + g11);
+    const double candidates[4][2] = {{v, w},
+                                     {fmin(fmax(d[0] / g00, 0), 1), 0},
+                                     {0, fmin(fmax(d[1] / g11, 0), 1)},
+                                     {1 - fmin(fmax(along, 0), 1), fmin(fmax(along, 0), 1)}};
+    for (int n = v >= 0 && w >= 0 && v + w <= 1 ? 0 : 1; n < 4; n++) {
+        double square = 0;
+        for (int i = 0; i < 3; i++)
+            square += pow(candidates[n][0] * e[0][i] + candidates[n][1] * e[1][i] - to[i], 2);
+        if (!(square < nearest)) continue;
+        nearest = square;
+        weights[0] = 1 - candidates[n][0] - candidates[n][1];
+        weights[1] = candidates[n][0];
+        weights[2] = candidates[n][1];
+    }
+    return nearest;
+}
+
+/* The nearest point of the mesh's outer faces. */
+static void take_outer_face(const al_probes *probes, const float point[3], al_probe_place *place)
+{
+    double nearest = INFINITY, weights[3] = {0};
+    for (uint32_t side = 0; side < 4 * probes->info.tetrahedron_count; side++) {
+        const float *p[3];
+        uint32_t names[3];
+        int count = 0;
+        if (probes->neighbours[side] != AL_NO_INDEX) continue;
+        for (uint32_t k = 0; k < 4; k++)
+            if (k != side % 4) names[count++] = probes->tetrahedra[side / 4 * 4 + k];
+        for (int k = 0; k < 3; k++) p[k] = probes->positions + 3 * (size_t)names[k];
+        double square = nearest_on_triangle(p, point, weights);
+        if (!(square < nearest)) continue;
+        nearest = square;
+        *place = (al_probe_place){.tetrahedron = side / 4};
+        for (int k = 0; k < 3; k++) {
+            place->probes[k] = names[k];
+            place->weights[k] = (float)fmax(weights[k], 0);
+        }
+        place->probes[3] = names[0];
+    }
 }
 
 static void take_nearest(const al_probes *probes, const float point[3], al_probe_place *place)
@@ -113,7 +174,10 @@ void al_probes_locate(const al_probes *probes, const float position[3], al_probe
         return;
     }
     uint32_t t = place->tetrahedron < probes->info.tetrahedron_count ? place->tetrahedron : 0;
-    if (!walk(probes, position, &t)) t = search(probes, position);
+    if (!walk(probes, position, &t) && !search(probes, position, &t)) {
+        take_outer_face(probes, position, place);
+        return;
+    }
     barycentric(probes, t, position, b);
     place->tetrahedron = t;
     for (int k = 0; k < 4; k++) sum += b[k] = fmax(b[k], 0);

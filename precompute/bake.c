@@ -13,6 +13,7 @@
 #include "bake_lightmap.h"
 #include "bake_medium.h"
 #include "bake_object.h"
+#include "bake_probes.h"
 #include "glb.h"
 #include "impulse_steps.h"
 #include "report.h"
@@ -35,6 +36,8 @@ typedef struct bake {
     al_report report;
     unsigned device_numbers[8], device_count;
     al_device *devices[8]; /* opened when first needed */
+    al_file *tables_file;  /* opened when rays need them */
+    al_impulse_tables *tables;
     al_atlas atlas;
     uint64_t lightmap_key; /* 0 without a lightmap */
 } bake;
@@ -246,22 +249,20 @@ static al_status make_tables(bake *b, const char *path, al_error *error)
     return status;
 }
 
-/* Impulse tables in the folder, where the lightmap's rays need them: those that lie there, of whatever settings,
+/* Impulse tables in the folder, where the rays of lightmap and probes need them: those that lie there, of whatever settings,
  * else new ones. */
-static al_status open_tables(bake *b, al_file **file, al_impulse_tables **tables, al_error *error)
+static al_status open_tables(bake *b, al_error *error)
 {
     char path[1400];
     al_open_options options = {.kind = AL_KIND_IMPULSE_TABLES};
-    *file = NULL;
-    *tables = NULL;
     if (!b->import->scene.fog_count || b->import->description->lightmap.walls != AL_WALLS_PUBLISHED)
         return AL_OK;
     snprintf(path, sizeof path, "%s/impulse-tables.air", b->arguments->folder);
     uint64_t present;
     al_status status = AL_OK;
     if (!asset_key(path, AL_KIND_IMPULSE_TABLES, &present)) status = make_tables(b, path, error);
-    if (status == AL_OK) status = al_file_open(path, &options, file, error);
-    return status == AL_OK ? al_impulse_tables_read(*file, tables, error) : status;
+    if (status == AL_OK) status = al_file_open(path, &options, &b->tables_file, error);
+    return status == AL_OK ? al_impulse_tables_read(b->tables_file, &b->tables, error) : status;
 }
 
 /* 0 without tables. */
@@ -274,27 +275,45 @@ static uint64_t key_of_chunks(const al_file *file)
 }
 
 /* The atlas is laid out whenever scene.air, which holds the second UV sets, or the lightmap is to be made. */
-static al_status bake_lightmap(bake *b, al_error *error)
+static al_status bake_lightmap(bake *b, const al_bake_options *options, uint64_t tables_key, al_error *error)
 {
-    al_bake_options options = {
-        .program = b->program, .folder = b->arguments->folder, .threads = (unsigned)b->arguments->threads};
     const char *name = b->import->scene.baked.lightmap;
-    al_file *file = NULL;
-    al_impulse_tables *tables = NULL;
-    if (!al_atlas_needed(&b->import->scene)) return AL_OK;
-    al_status status = open_tables(b, &file, &tables, error);
-    if (status == AL_OK)
-        status = al_bake_lightmap_key(b->import, key_of_chunks(file), &b->lightmap_key, error);
+    al_status status = al_bake_lightmap_key(b->import, tables_key, &b->lightmap_key, error);
     bool fresh = status == AL_OK && is_fresh(b, name, AL_KIND_LIGHTMAP, b->lightmap_key);
     if (status == AL_OK && !(fresh && is_fresh(b, "scene.air", AL_KIND_SCENE, scene_key(b))))
         status = lay_atlas(b, error);
     if (status == AL_OK && !fresh)
-        status = al_bake_lightmap(b->import, &b->atlas, b->lightmap_key, tables, &options, &b->report.light,
+        status = al_bake_lightmap(b->import, &b->atlas, b->lightmap_key, b->tables, options, &b->report.light,
                                   error);
     if (status == AL_OK)
         al_program_say(b->program, fresh ? "%s/%s is up to date" : "wrote %s/%s", b->arguments->folder, name);
-    al_impulse_tables_free(tables);
-    al_file_close(file);
+    return status;
+}
+
+static al_status bake_probes(bake *b, const al_bake_options *options, uint64_t tables_key, al_error *error)
+{
+    const char *name = b->import->scene.baked.probes;
+    uint64_t key;
+    al_status status = al_bake_probes_key(b->import, tables_key, &key, error);
+    bool fresh = status == AL_OK && is_fresh(b, name, AL_KIND_PROBES, key);
+    if (status == AL_OK && !fresh)
+        status = al_bake_probes(b->import, key, b->tables, options, &b->report.light, error);
+    if (status == AL_OK)
+        al_program_say(b->program, fresh ? "%s/%s is up to date" : "wrote %s/%s", b->arguments->folder, name);
+    return status;
+}
+
+/* Probes first: the lightmap's atlas gives meshes their second UV sets. */
+static al_status bake_light(bake *b, al_error *error)
+{
+    al_bake_options options = {
+        .program = b->program, .folder = b->arguments->folder, .threads = (unsigned)b->arguments->threads};
+    bool lightmap = al_atlas_needed(&b->import->scene), probes = b->import->description->has_probes;
+    if (!lightmap && !probes) return AL_OK;
+    al_status status = open_tables(b, error);
+    uint64_t tables_key = key_of_chunks(b->tables_file);
+    if (status == AL_OK && probes) status = bake_probes(b, &options, tables_key, error);
+    if (status == AL_OK && lightmap) status = bake_lightmap(b, &options, tables_key, error);
     return status;
 }
 
@@ -343,6 +362,12 @@ static al_status name_assets(bake *b, al_error *error)
         b->import->scene.baked.lightmap = al_scene_text(&b->import->scene, file);
         if (!b->import->scene.baked.lightmap) return al_fail(error, AL_IO, "out of memory");
     }
+    if (b->import->description->has_probes) {
+        char file[160];
+        al_bake_probes_file(b->import, file, sizeof file);
+        b->import->scene.baked.probes = al_scene_text(&b->import->scene, file);
+        if (!b->import->scene.baked.probes) return al_fail(error, AL_IO, "out of memory");
+    }
     return AL_OK;
 }
 
@@ -378,7 +403,7 @@ static al_status bake_scene(bake *b, const char *scene, al_quality quality, al_e
     if (status == AL_OK) status = name_assets(b, error);
     if (status == AL_OK) status = in_scene(scene, bake_objects(b, error), error);
     if (status == AL_OK) status = in_scene(scene, bake_fogs(b, error), error);
-    if (status == AL_OK) status = in_scene(scene, bake_lightmap(b, error), error);
+    if (status == AL_OK) status = in_scene(scene, bake_light(b, error), error);
     if (status == AL_OK) status = write_scene(b, error);
     if (status == AL_OK) status = al_report_write(b->arguments->folder, &b->report, error);
     return status;
@@ -453,6 +478,8 @@ int main(int argc, char **argv)
     for (int i = 0; i < 8; i++) al_device_close(b.devices[i]);
     free(b.report.objects);
     al_atlas_free(&b.atlas);
+    al_impulse_tables_free(b.tables);
+    al_file_close(b.tables_file);
     al_import_free(b.import);
     return al_program_end(&program, status == AL_OK ? 0 : al_program_fail(&program, &error));
 }

@@ -58,11 +58,7 @@ typedef struct lightmap_work {
 
 void al_bake_lightmap_file(const al_import *import, char *name, size_t size)
 {
-    const char *path = import->description->path, *slash = strrchr(path, '/'),
-               *base = slash ? slash + 1 : path, *dot = strrchr(base, '.');
-    char stem[1024];
-    snprintf(stem, sizeof stem, "%.*s", (int)(dot && dot > base ? (size_t)(dot - base) : strlen(base)), base);
-    al_asset_file(stem, "lightmap", name, size);
+    al_scene_asset_file(import, "lightmap", name, size);
 }
 
 al_status al_bake_lightmap_key(const al_import *import, uint64_t tables_key, uint64_t *key, al_error *error)

@@ -66,6 +66,15 @@ void al_asset_file(const char *name, const char *kind, char *file, size_t size)
         snprintf(file, size, "%s.%s.air", safe, kind);
 }
 
+void al_scene_asset_file(const al_import *import, const char *kind, char *file, size_t size)
+{
+    const char *path = import->description->path, *slash = strrchr(path, '/'),
+               *base = slash ? slash + 1 : path, *dot = strrchr(base, '.');
+    char stem[1024];
+    snprintf(stem, sizeof stem, "%.*s", (int)(dot && dot > base ? (size_t)(dot - base) : strlen(base)), base);
+    al_asset_file(stem, kind, file, size);
+}
+
 void al_bake_object_file(const al_translucent_object *object, char *name, size_t size)
 {
     al_asset_file(object->name, "translucent", name, size);

@@ -35,6 +35,8 @@ void al_bake_object_file(const al_translucent_object *object, char *name, size_t
 
 /* NAME.KIND.air, made safe in the same way. */
 void al_asset_file(const char *name, const char *kind, char *file, size_t size);
+/* The same for the one asset of a kind that a scene has: named after the scene file. */
+void al_scene_asset_file(const al_import *import, const char *kind, char *file, size_t size);
 
 /* Adds what a density depends on, the contents of its file included. */
 void al_hash_density(XXH64_state_t *state, const al_import *import, const al_density_description *density);

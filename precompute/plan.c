@@ -4,6 +4,7 @@
 
 #include "atlas.h"
 #include "bake_medium.h"
+#include "place_probes.h"
 
 /* Measured on two cores of a 2020s server with PoCL (docs/performance.md): seconds per unit of work. */
 static const double seconds_per_voxel_direction = 4e-9;
@@ -38,6 +39,21 @@ static void add_lightmap(const al_import *import, al_plan *plan)
         0, texels * 9 * bands * 8);
     add(plan, "seams", any, any ? "where charts part, both sides should show the same light" : none,
         texels * 1e-6, texels * 40);
+}
+
+static void add_probes(const al_import *import, al_plan *plan)
+{
+    const al_probe_settings *s = &import->description->probes;
+    bool any = import->description->has_probes, moving = false;
+    for (uint32_t i = 0; i < import->scene.instance_count; i++)
+        moving = moving || import->scene.instances[i].lighting == AL_LIGHTING_PROBES;
+    double count = any ? al_probe_count(import) : 0, bounces = import->description->lightmap.bounces;
+    add(plan, "probes", any,
+        !any     ? "the scene asks for no probes"
+        : moving ? "meshes with \"lighting\": \"probes\" take their indirect light from them"
+                 : "the scene asks for them, though no mesh takes its light from probes",
+        count * s->samples * (bounces + 1) * seconds_per_path_segment,
+        count * (9.0 * s->order * s->order + 1) * 4);
 }
 
 void al_plan_make(const al_import *import, al_plan *plan)
@@ -92,4 +108,5 @@ void al_plan_make(const al_import *import, al_plan *plan)
                                      : "the scene has no environment light",
         0.1, 12.0 * scene->environment.width * scene->environment.height);
     add_lightmap(import, plan);
+    add_probes(import, plan);
 }

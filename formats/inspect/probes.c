@@ -28,6 +28,12 @@ static double mean_radiance(const al_probes *probes, uint32_t probe, int layer, 
     return 0.28209479177387814 * (double)probes->coefficients[at];
 }
 
+static double all_light(const al_probes *probes, uint32_t probe, int channel)
+{
+    return mean_radiance(probes, probe, AL_LAYER_ATTENUATED, channel) +
+           mean_radiance(probes, probe, AL_LAYER_SCATTERED, channel);
+}
+
 /* --- statistics --- */
 
 static json_t *describe_layers(const al_probes *probes)
@@ -106,9 +112,9 @@ static al_status evaluate(const al_file *file, const json_t *query, json_t **ans
 
 enum { EDGE = 640 };
 
-static void draw_probes(const al_probes *probes, const panel *p, int across, int up, double brightest)
+static void draw_probes(const al_probes *probes, const panel *p, int across, int up, double middle)
 {
-    static const float thread[3] = {0.02f, 0.03f, 0.04f};
+    static const float thread[3] = {0.003f, 0.004f, 0.006f};
     for (size_t t = 0; t < probes->info.tetrahedron_count; t++)
         for (int a = 0; a < 4; a++)
             for (int b = 0; b < a; b++) {
@@ -119,22 +125,20 @@ static void draw_probes(const al_probes *probes, const panel *p, int across, int
     for (uint32_t i = 0; i < probes->info.probe_count; i++) {
         const float *at = probes->positions + 3 * (size_t)i;
         float rgb[3];
-        for (int c = 0; c < 3; c++)
-            rgb[c] = (float)((mean_radiance(probes, i, AL_LAYER_ATTENUATED, c) +
-                              mean_radiance(probes, i, AL_LAYER_SCATTERED, c)) /
-                             brightest);
+        for (int c = 0; c < 3; c++) {
+            double light = fmax(all_light(probes, i, c), 0);
+            rgb[c] = (float)(light / (light + middle));
+        }
         panel_disc(p, (double[]){at[across], at[up]}, 4, rgb);
     }
 }
 
-static double brightest_of(const al_probes *probes)
+static double mean_of_all(const al_probes *probes)
 {
-    double brightest = 0;
+    double sum = 0;
     for (uint32_t i = 0; i < probes->info.probe_count; i++)
-        for (int c = 0; c < 3; c++)
-            brightest = fmax(brightest, mean_radiance(probes, i, AL_LAYER_ATTENUATED, c) +
-                                            mean_radiance(probes, i, AL_LAYER_SCATTERED, c));
-    return brightest > 0 ? brightest : 1;
+        for (int c = 0; c < 3; c++) sum += fmax(all_light(probes, i, c), 0) / 3;
+    return sum > 0 ? sum / probes->info.probe_count : 1;
 }
 
 static al_status draw(const al_file *file, const char *png_path, al_error *error)
@@ -153,7 +157,7 @@ static al_status draw(const al_file *file, const char *png_path, al_error *error
         int across = axes[view][0], up = axes[view][1];
         panel p = canvas_panel(&on, view, 0, EDGE);
         panel_show(&p, (double[]){low[across], low[up]}, (double[]){high[across], high[up]});
-        draw_probes(&probes, &p, across, up, brightest_of(&probes));
+        draw_probes(&probes, &p, across, up, mean_of_all(&probes));
     }
     status = canvas_write(&on, png_path, error);
     canvas_free(&on);

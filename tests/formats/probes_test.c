@@ -78,21 +78,31 @@ static void check_linear(const al_probes *probes)
     }
 }
 
-/* Far outside beyond a corner only that corner's probe is left; beyond a face the answer is on it. */
+/* Far outside beyond a corner only that corner's probe is left, wherever the search began. Below the lowest
+ * layer the answer is the foot of the perpendicular. */
 static void check_outside(const al_probes *probes)
 {
-    const float corner[3] = {-100, -100, -100}, below[3] = {3, 1.5f, -40};
+    const float corner[3] = {-100, -100, -100};
+    /* the lowest layer is spanned by (1, 0, -0.125) and (0.25, 0.5, 0); its normal: */
+    const float normal[3] = {0.0625f, -0.03125f, 0.5f}, on_it[3] = {3.75f, 1.5f, -0.375f};
+    float below[3], sh[3][AL_PROBES_MAX_COUNT];
     al_probe_place place = {0};
-    al_probes_locate(probes, below, &place);
-    for (int k = 0; k < 4; k++)
-        if (place.weights[k] > 0) CHECK(place.probes[k] < EDGE * EDGE);
-    al_probes_locate(probes, corner, &place);
-    float sum = 0;
-    for (int k = 0; k < 4; k++) {
-        CHECK(place.weights[k] >= 0 && place.weights[k] <= 1);
-        sum += place.weights[k];
+    for (uint32_t start = 0; start < CUBES * 6; start += 97) {
+        float found[3] = {0, 0, 0}, sum = 0;
+        place = (al_probe_place){.tetrahedron = start};
+        al_probes_locate(probes, corner, &place);
+        for (int k = 0; k < 4; k++) {
+            for (int i = 0; i < 3; i++)
+                found[i] += place.weights[k] * probes->positions[3 * place.probes[k] + i];
+            sum += place.weights[k];
+        }
+        CHECK(found[0] == 0 && found[1] == 0 && found[2] == 0);
+        CHECK_NEAR(sum, 1, 1e-6);
     }
-    CHECK_NEAR(sum, 1, 1e-6);
+    for (int i = 0; i < 3; i++) below[i] = on_it[i] - 20 * normal[i];
+    al_probes_locate(probes, below, &place);
+    al_probes_blend(probes, &place, AL_LAYER_SURFACE, sh);
+    CHECK_NEAR(sh[0][0], field(on_it, 0, 0), 1e-5);
 }
 
 static void check_nearest(const char *path, mesh *m)

@@ -40,8 +40,8 @@ typedef struct al_probe_place {
 
 /* Finds the four probes around a finite position and their weights. Walks from place->tetrahedron to the
  * neighbour across the face that the position lies farthest behind: for a point that moves a little, few
- * steps. Where that leads out of the mesh, or the mesh has a hole, all tetrahedra are looked at (about 10 ns
- * each), and the one with the least negative barycentric coordinate answers, its negative ones put to 0. */
+ * steps. Where that leads out of the mesh all tetrahedra are looked at, and the nearest point of the mesh
+ * answers: it moves steadily with the position. */
 void al_probes_locate(const al_probes *probes, const float position[3], al_probe_place *place);
 
 /* Incident radiance of one layer there: sh[channel][0 .. order^2). */

@@ -1,0 +1,309 @@
+#include "bake_probes.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include "airlight/probes.h"
+#include "gather.h"
+#include "journal.h"
+#include "light_key.h"
+#include "parallel.h"
+#include "place_probes.h"
+#include "tetrahedra.h"
+
+/* Part of every key: raise it when a step's result changes for the same input. */
+static const uint32_t bake_version = 1;
+
+/* A probe that sees more backs of surfaces than this is inside a wall, or on it, where it sees half of them.
+ * Outside, backs are seen only where meshes are open. */
+static const float inside_share = 0.25f;
+
+enum { THREAD_LIMIT = 256 };
+
+typedef struct probe_work {
+    const al_import *import;
+    const al_probe_settings *settings;
+    const al_bake_options *options;
+    al_steps *steps;
+    uint64_t key;
+    char path[1200], partial_path[1210];
+    al_probe_places places;
+    size_t set;     /* floats of a probe: [layer][channel][order^2] */
+    float *results; /* [places.count][set + 1]: coefficients, then the share of backs */
+    bool *done;
+    al_gather *gather;
+    al_gather_scratch *scratch[THREAD_LIMIT];
+    al_journal *journal;
+    al_progress progress;
+    atomic_uint finished;
+    /* of the probes that stay */
+    uint32_t kept;
+    double *kept_points;
+    float *positions, *coefficients;
+} probe_work;
+
+void al_bake_probes_file(const al_import *import, char *name, size_t size)
+{
+    al_scene_asset_file(import, "probes", name, size);
+}
+
+al_status al_bake_probes_key(const al_import *import, uint64_t tables_key, uint64_t *key, al_error *error)
+{
+    const al_probe_settings *s = &import->description->probes;
+    const al_lightmap_settings *l = &import->description->lightmap;
+    const uint32_t counts[] = {bake_version, s->order,           s->samples, s->point_count,
+                               l->bounces,   (uint32_t)l->walls, l->seed};
+    uint64_t light;
+    al_status status = al_light_key(import, &light, error);
+    *key = XXH64(counts, sizeof counts, light);
+    *key = XXH64(&s->spacing_m, sizeof s->spacing_m, *key);
+    *key = XXH64(&tables_key, sizeof tables_key, *key);
+    if (s->point_count) *key = XXH64(s->points, s->point_count * sizeof *s->points, *key);
+    return status;
+}
+
+static void add_step(probe_work *w, const char *name, double started, uint64_t bytes, uint64_t items)
+{
+    if (w->steps->count < AL_STEP_LIMIT)
+        w->steps->steps[w->steps->count++] = (al_step){name, al_program_seconds() - started, bytes, items};
+}
+
+/* --- gather --- */
+
+static bool on_gather_progress(void *user, double done, double total)
+{
+    return al_progress_update(user, done, total);
+}
+
+static al_status open_gather(probe_work *w, const al_impulse_tables *tables, al_error *error)
+{
+    const al_lightmap_settings *l = &w->import->description->lightmap;
+    const al_gather_options options = {.samples = w->settings->samples,
+                                       .bounces = l->bounces,
+                                       .fog = w->import->scene.fog_count > 0,
+                                       .walls = l->walls,
+                                       .sh_order = w->settings->order,
+                                       .threads = w->options->threads,
+                                       .seed = l->seed,
+                                       .on_progress = on_gather_progress,
+                                       .user = &w->progress};
+    al_progress_begin(&w->progress, w->options->program, "light in the scene");
+    al_status status = al_gather_open(w->import, tables, &options, &w->gather, error);
+    if (status == AL_OK) al_progress_end(&w->progress);
+    return status;
+}
+
+/* A probe whose light is not finite counts as one inside a wall. */
+static void keep_result(const probe_work *w, const al_gathered *g, float *out)
+{
+    uint32_t count = w->settings->order * w->settings->order;
+    bool finite = true;
+    float *at = out;
+    for (int layer = 0; layer < AL_GATHER_LAYER_COUNT; layer++)
+        for (int channel = 0; channel < 3; channel++)
+            for (uint32_t k = 0; k < count; k++) {
+                *at = (float)g->sh[layer][channel][k];
+                finite = finite && isfinite(*at);
+                at++;
+            }
+    *at = finite ? (float)g->back_share : 1;
+}
+
+static bool gather_probe(void *user, unsigned index, unsigned thread)
+{
+    probe_work *w = user;
+    al_gathered gathered;
+    const uint32_t place[] = {w->import->description->lightmap.seed, index};
+    if (w->done[index]) return true;
+    if (al_program_cancelled() || !al_gather_point(w->gather, w->scratch[thread], w->places.points[index],
+                                                   NULL, 0, XXH64(place, sizeof place, 0), &gathered))
+        return false;
+    keep_result(w, &gathered, w->results + index * (w->set + 1));
+    if (!al_journal_append(w->journal, index)) return false;
+    unsigned finished = atomic_fetch_add(&w->finished, 1) + 1;
+    if (thread == 0) al_progress_update(&w->progress, finished, w->places.count);
+    return true;
+}
+
+static al_status gather_probes(probe_work *w, al_error *error)
+{
+    double started = al_program_seconds();
+    unsigned threads = al_parallel_threads(w->options->threads), left = 0;
+    w->results = calloc(w->places.count, (w->set + 1) * sizeof *w->results);
+    w->done = calloc(w->places.count, sizeof *w->done);
+    bool memory = w->results && w->done;
+    for (unsigned i = 0; i < threads && memory; i++)
+        memory = (w->scratch[i] = al_gather_scratch_new(w->gather)) != NULL;
+    if (!memory) return al_fail(error, AL_IO, "%s: out of memory for %u probes", w->path, w->places.count);
+    al_status status = al_journal_open(w->partial_path, w->key, w->results, (w->set + 1) * sizeof *w->results,
+                                       w->done, w->places.count, &w->journal, error);
+    if (status != AL_OK) return status;
+    for (uint32_t i = 0; i < w->places.count; i++) left += !w->done[i];
+    atomic_init(&w->finished, w->places.count - left);
+    al_progress_begin(&w->progress, w->options->program, "probes");
+    bool whole = al_parallel(w->options->threads, w->places.count, gather_probe, w);
+    status = al_journal_close(w->journal, error);
+    if (status != AL_OK) return status;
+    if (al_program_cancelled())
+        return al_fail(error, AL_CANCELLED, "stopped; the same command goes on from here");
+    if (!whole) return al_fail(error, AL_IO, "%s: out of memory while gathering light", w->path);
+    al_progress_end(&w->progress);
+    add_step(w, "probes", started, 0, w->places.count);
+    return AL_OK;
+}
+
+/* --- leave out, join, write --- */
+
+/* Probes inside walls go, and all but the first of those at one place. */
+static al_status keep_probes(probe_work *w, al_error *error)
+{
+    uint32_t count = w->places.count;
+    w->kept_points = malloc(count * sizeof(double[3]));
+    w->positions = malloc(count * sizeof(float[3]));
+    w->coefficients = malloc(count * w->set * sizeof(float));
+    if (!w->kept_points || !w->positions || !w->coefficients)
+        return al_fail(error, AL_IO, "%s: out of memory for %u probes", w->path, count);
+    for (uint32_t i = 0; i < count; i++) {
+        const float *result = w->results + i * (w->set + 1);
+        if (result[w->set] > inside_share) continue;
+        for (int k = 0; k < 3; k++) {
+            w->positions[3 * (size_t)w->kept + k] = (float)w->places.points[i][k];
+            w->kept_points[3 * (size_t)w->kept + k] = w->positions[3 * (size_t)w->kept + k];
+        }
+        memcpy(w->coefficients + w->kept * w->set, result, w->set * sizeof(float));
+        w->kept++;
+    }
+    if (!w->kept)
+        return al_fail(error, AL_BAD_INPUT,
+                       "all %u probes are inside walls: they see the backs of surfaces; points in front of "
+                       "them are right, or double-sided materials",
+                       count);
+    if (w->kept < count)
+        al_program_say(w->options->program, "%u of %u probes are inside walls and left out", count - w->kept,
+                       count);
+    return AL_OK;
+}
+
+/* Six times the volume, from positions as they are stored. */
+static double volume6(const float *positions, const uint32_t *corners)
+{
+    const float *a = positions + 3 * (size_t)corners[0];
+    double e[3][3];
+    for (int n = 0; n < 3; n++)
+        for (int i = 0; i < 3; i++) e[n][i] = (double)positions[3 * (size_t)corners[n + 1] + i] - a[i];
+    return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
+           e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
+           e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
+}
+
+static double longest_edge(const float *positions, const uint32_t *corners)
+{
+    double longest = 0;
+    for (int a = 0; a < 4; a++)
+        for (int b = 0; b < a; b++) {
+            double square = 0;
+            for (int i = 0; i < 3; i++)
+                square += pow(
+                    (double)positions[3 * (size_t)corners[a] + i] - positions[3 * (size_t)corners[b] + i], 2);
+            longest = fmax(longest, sqrt(square));
+        }
+    return longest;
+}
+
+/* Points at the same height make flat tetrahedra, which hold no point and have no barycentric coordinates. */
+static uint32_t drop_flat(const probe_work *w, al_tetrahedra *mesh)
+{
+    uint32_t count = 0;
+    for (uint32_t t = 0; t < mesh->count; t++) {
+        const uint32_t *corners = mesh->corners + 4 * (size_t)t;
+        if (volume6(w->positions, corners) > 1e-6 * pow(longest_edge(w->positions, corners), 3))
+            memmove(mesh->corners + 4 * (size_t)count++, corners, sizeof(uint32_t[4]));
+    }
+    return count;
+}
+
+static bool spans_space(const probe_work *w)
+{
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (size_t i = 0; i < 3 * (size_t)w->kept; i++) {
+        low[i % 3] = fmin(low[i % 3], w->kept_points[i]);
+        high[i % 3] = fmax(high[i % 3], w->kept_points[i]);
+    }
+    return w->kept >= 4 && low[0] < high[0] && low[1] < high[1] && low[2] < high[2];
+}
+
+static al_status write_asset(probe_work *w, const al_tetrahedra *mesh, uint32_t tetrahedron_count,
+                             al_error *error)
+{
+    char provenance[256];
+    double started = al_program_seconds();
+    uint64_t bytes;
+    snprintf(provenance, sizeof provenance,
+             "{\"key\":\"%016llx\",\"samples\":%u,\"bounces\":%u,\"walls\":%d,\"spacing_m\":%.9g}",
+             (unsigned long long)w->key, w->settings->samples, w->import->description->lightmap.bounces,
+             (int)w->import->description->lightmap.walls, w->places.spacing_m);
+    al_probes_data data = {{w->kept, tetrahedron_count, w->settings->order},
+                           w->positions,
+                           mesh->corners,
+                           w->coefficients,
+                           provenance};
+    al_status status = al_probes_write(w->path, &data, &bytes, error);
+    if (status == AL_OK) add_step(w, "write probes", started, bytes, w->kept);
+    return status;
+}
+
+/* Points that TetGen finds to lie in one plane stay without a mesh: the nearest probe answers. */
+static al_status join_and_write(probe_work *w, al_error *error)
+{
+    double started = al_program_seconds();
+    al_tetrahedra mesh = {0};
+    uint32_t count = 0;
+    al_status status = AL_OK;
+    if (spans_space(w)) {
+        al_triangles points = {.vertex_count = w->kept, .positions = w->kept_points};
+        status = al_tetrahedralise("probes", &points, &mesh, error);
+        if (status == AL_BAD_INPUT) status = AL_OK;
+        if (status == AL_OK) count = drop_flat(w, &mesh);
+        add_step(w, "tetrahedra of probes", started, 0, count);
+    }
+    if (status == AL_OK) status = write_asset(w, &mesh, count, error);
+    al_tetrahedra_free(&mesh);
+    return status;
+}
+
+al_status al_bake_probes(const al_import *import, uint64_t key, const al_impulse_tables *tables,
+                         const al_bake_options *options, al_steps *steps, al_error *error)
+{
+    probe_work *w = calloc(1, sizeof *w);
+    if (!w) return al_fail(error, AL_IO, "out of memory");
+    w->import = import;
+    w->settings = &import->description->probes;
+    w->options = options;
+    w->steps = steps;
+    w->key = key;
+    w->set = (size_t)AL_GATHER_LAYER_COUNT * 3 * w->settings->order * w->settings->order;
+    snprintf(w->path, sizeof w->path, "%s/%s", options->folder, import->scene.baked.probes);
+    snprintf(w->partial_path, sizeof w->partial_path, "%s.partial", w->path);
+    al_status status = al_probe_places_make(import, &w->places, error);
+    if (status == AL_OK) status = open_gather(w, tables, error);
+    if (status == AL_OK) status = gather_probes(w, error);
+    if (status == AL_OK) status = keep_probes(w, error);
+    if (status == AL_OK) status = join_and_write(w, error);
+    if (status == AL_OK) unlink(w->partial_path);
+
+    for (unsigned i = 0; i < THREAD_LIMIT; i++) al_gather_scratch_free(w->scratch[i]);
+    al_gather_close(w->gather);
+    al_probe_places_free(&w->places);
+    free(w->results);
+    free(w->done);
+    free(w->kept_points);
+    free(w->positions);
+    free(w->coefficients);
+    free(w);
+    return status;
+}
