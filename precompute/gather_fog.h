@@ -1,8 +1,8 @@
 /* The fog along a ray: what all media of the scene's air do there together.
  *
  * Overlapping media add up. Constant ones are integrated in closed form; others by the midpoint rule in steps
- * of at most half a voxel or layer, longer only where a stretch would take more than AL_FOG_STEP_LIMIT.
- * Layers without end are followed for that many steps. */
+ * of two voxels or half a layer, longer only where a stretch would take more than AL_FOG_STEP_LIMIT. Layers
+ * without end are followed for that many steps. */
 #ifndef AIRLIGHT_GATHER_FOG_H
 #define AIRLIGHT_GATHER_FOG_H
 

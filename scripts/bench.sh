@@ -46,6 +46,16 @@ for directions in 32 128 512; do
     echo "$row $(($(number peak_memory_bytes "$report") / 1048576)) |"
 done
 
+echo "## Fog in gathered light"
+if [ -f "${AIRLIGHT_SHARED:-../shared}/data/scenes/sponza/atrium.obj" ]; then
+    [ -f "$folder/tables.air" ] || "$bin/airlight-bake" --tables "$folder/tables.air" --quiet
+    for name in atrium_fog room_area_mid room_area_grid; do
+        "$bin/airlight-bench-gather" "build/tests/scenes/$name.json" "$folder/tables.air"
+    done
+else
+    echo "SKIP: no atrium"
+fi
+
 echo "## Frames: lights and samples"
 "$bin/runtime_cost_bench" 192 5
 
