@@ -107,10 +107,10 @@ static void fill_info(const sphere_options *o, al_translucent_info *info)
 }
 
 /* Positions are those of the additive sequence of the root of x^4 = x + 1 (Roberts 2018) that fall inside:
- * every prefix is well spread. Gaussians of s = 0.55 spacings, cut at 3.5 s, weighted so that they sum to one
- * inside. */
+ * every prefix is well spread. Gaussians of s = 0.55 spacings, cut at `reach` s, weighted so that they sum to
+ * one inside. */
 static void fill_samples(al_translucent_data *data, float *positions, float *gaussians, float *coefficients,
-                         uint32_t wanted)
+                         uint32_t wanted, double reach)
 {
     static const double step[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
     al_translucent_info *info = &data->info;
@@ -130,7 +130,7 @@ static void fill_samples(al_translucent_data *data, float *positions, float *gau
     for (uint32_t i = 0; i < count; i++) {
         gaussians[4 * i] = (float)a;
         gaussians[4 * i + 1] = (float)(spacing * spacing * spacing * pow(a / AL_PI, 1.5));
-        gaussians[4 * i + 2] = (float)(3.5 * s);
+        gaussians[4 * i + 2] = (float)(reach * s);
         gaussians[4 * i + 3] = 1;
     }
     info->sample_count = count;
@@ -147,7 +147,8 @@ bool sphere_write_asset(const char *folder, const char *name, const sphere_optio
     size_t set = (size_t)data.info.channel_count * data.info.order * data.info.order;
     float *positions = malloc(wanted * 12 + 12), *gaussians = malloc(wanted * 16 + 16);
     float *coefficients = malloc(wanted * set * 4 + 4);
-    fill_samples(&data, positions, gaussians, coefficients, wanted);
+    fill_samples(&data, positions, gaussians, coefficients, wanted,
+                 options->reach > 0 ? options->reach : 3.5);
     uint16_t *grid = make_grid(data.info.grid_size[0], data.info.bounds_max_m[0], data.info.voxel_m);
     data.positions = positions;
     data.gaussians = gaussians;

@@ -17,6 +17,7 @@ typedef struct sphere_options { /* zero: the value in brackets */
     float albedo;               /* (0.9) */
     float g;
     uint32_t samples;   /* (4000) about as many */
+    float reach;        /* standard deviations at which Gaussians are cut off (3.5) */
     uint32_t order;     /* (5) */
     uint32_t grid;      /* voxels along an axis (64) */
     uint32_t page_size; /* (512) */
