@@ -176,30 +176,11 @@ static double next_end(const al_fog_path *path, uint32_t media_count, double fro
     return next;
 }
 
-/* One constant medium is one cell. */
-static bool push_only(const al_fog_media *fog, const al_ray *ray, double end_m, al_fog_path *path)
-{
-    const al_fog_medium *medium = &fog->media[0];
-    double from = 0, to = end_m;
-    if (!clip(medium, ray, &from, &to)) return true;
-    al_fog_cell *cell = push(path);
-    if (!cell) return false;
-    cell->begin_m = from, cell->end_m = to, cell->g = medium->g;
-    for (int c = 0; c < 3; c++) {
-        cell->sigma_s_per_m[c] = medium->sigma_s_per_m[c];
-        cell->sigma_t_per_m[c] = medium->sigma_t_per_m[c];
-        cell->depth[c] = 0;
-        path->depth[c] = medium->sigma_t_per_m[c] > 0 ? medium->sigma_t_per_m[c] * (to - from) : 0;
-    }
-    return true;
-}
-
 bool al_fog_along(const al_fog_media *fog, const al_ray *ray, double end_m, al_fog_path *path)
 {
     double from = INFINITY, last = 0;
     path->count = 0;
     for (int c = 0; c < 3; c++) path->depth[c] = 0;
-    if (fog->count == 1 && !fog->media[0].density) return push_only(fog, ray, end_m, path);
     if (!path->spans) path->spans = malloc(sizeof(double) * 2 * (fog->count + (size_t)1));
     if (!path->spans) return false;
     for (uint32_t i = 0; i < fog->count; i++) {
@@ -242,22 +223,11 @@ void al_fog_transmittance(const al_fog_media *fog, const al_ray *ray, double end
     for (int c = 1; c < 3; c++) transmittance[c] = fog->grey ? transmittance[0] : exp(-depth[c]);
 }
 
-al_fog_mean al_fog_mean_of(const al_fog_path *path, double length_m)
+static al_fog_mean mean_of(const al_fog_path *path, double length_m)
 {
     al_fog_mean mean = {.length_m = length_m};
     double scattered_g = 0, scattering = 0;
     if (!path->count) return mean;
-    if (path->count == 1 && path->cells[0].begin_m == 0 && path->cells[0].end_m <= length_m) {
-        const al_fog_cell *only = &path->cells[0];
-        double share = isinf(length_m) || only->end_m == length_m ? 1 : only->end_m / length_m;
-        mean.length_m = fmin(length_m, isinf(length_m) ? only->end_m : length_m);
-        mean.g = only->g;
-        for (int c = 0; c < 3; c++) {
-            mean.sigma_s_per_m[c] = share * only->sigma_s_per_m[c];
-            mean.sigma_t_per_m[c] = share * only->sigma_t_per_m[c];
-        }
-        return mean;
-    }
     const al_fog_cell *last = &path->cells[path->count - 1];
     mean.length_m = fmin(length_m, isinf(length_m) ? last->end_m : length_m);
     for (uint32_t i = 0; i < path->count; i++) {
@@ -272,4 +242,36 @@ al_fog_mean al_fog_mean_of(const al_fog_path *path, double length_m)
     }
     mean.g = scattering > 0 ? scattered_g / scattering : 0;
     return mean;
+}
+
+/* The mean of one constant medium. */
+static void take_mean(const al_fog_medium *medium, const al_ray *ray, double length_m, double depth[3],
+                      al_fog_mean *mean)
+{
+    double from = 0, to = length_m;
+    bool inside = clip(medium, ray, &from, &to);
+    mean->length_m = isinf(length_m) && inside ? to : length_m;
+    mean->g = medium->g;
+    double share = !inside                                            ? 0
+                   : isinf(to) || (from == 0 && to == mean->length_m) ? 1
+                                                                      : (to - from) / mean->length_m;
+    for (int c = 0; c < 3; c++) {
+        mean->sigma_s_per_m[c] = share * medium->sigma_s_per_m[c];
+        mean->sigma_t_per_m[c] = share * medium->sigma_t_per_m[c];
+        depth[c] = mean->sigma_t_per_m[c] > 0 ? medium->sigma_t_per_m[c] * (to - from) : 0;
+    }
+}
+
+bool al_fog_mean_along(const al_fog_media *fog, const al_ray *ray, double length_m, al_fog_path *path,
+                       double transmittance[3], al_fog_mean *mean)
+{
+    if (fog->count == 1 && !fog->media[0].density) {
+        take_mean(&fog->media[0], ray, length_m, path->depth, mean);
+    } else {
+        if (!al_fog_along(fog, ray, length_m, path)) return false;
+        *mean = mean_of(path, length_m);
+    }
+    transmittance[0] = exp(-path->depth[0]);
+    for (int c = 1; c < 3; c++) transmittance[c] = fog->grey ? transmittance[0] : exp(-path->depth[c]);
+    return true;
 }

@@ -57,6 +57,8 @@ typedef struct al_fog_mean {
     double length_m;
     double sigma_s_per_m[3], sigma_t_per_m[3], g;
 } al_fog_mean;
-al_fog_mean al_fog_mean_of(const al_fog_path *path, double length_m);
+/* And the transmittance; `path` is memory. False without memory. */
+bool al_fog_mean_along(const al_fog_media *fog, const al_ray *ray, double length_m, al_fog_path *path,
+                       double transmittance[3], al_fog_mean *mean);
 
 #endif

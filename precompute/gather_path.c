@@ -102,12 +102,7 @@ static bool pass_evenly(const al_gather *gather, al_gather_scratch *scratch, con
         al_fog_transmittance(&gather->fog, ray, length_m, transmittance);
         return true;
     }
-    if (!al_fog_along(&gather->fog, ray, length_m, &scratch->fog)) return false;
-    *mean = al_fog_mean_of(&scratch->fog, length_m);
-    transmittance[0] = exp(-scratch->fog.depth[0]);
-    for (int c = 1; c < 3; c++)
-        transmittance[c] = gather->fog.grey ? transmittance[0] : exp(-scratch->fog.depth[c]);
-    return true;
+    return al_fog_mean_along(&gather->fog, ray, length_m, &scratch->fog, transmittance, mean);
 }
 
 bool al_gather_look(const al_gather *gather, al_gather_scratch *scratch, const al_gather_vertex *vertex,

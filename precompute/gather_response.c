@@ -224,14 +224,14 @@ static bool step(const al_gather *gather, al_gather_scratch *scratch, al_gather_
     al_gather_origin(vertex, way.ray.direction, way.ray.origin);
     way.met = al_ray_scene_hit(gather->rays, &way.ray, INFINITY, &way.hit);
     if (!way.met) return false;
-    *failed = !al_fog_along(&gather->fog, &way.ray, way.hit.distance_m, &scratch->fog);
+    *failed = !al_fog_mean_along(&gather->fog, &way.ray, way.hit.distance_m, &scratch->fog, way.transmittance,
+                                 &way.fog);
     if (*failed) return false;
-    way.fog = al_fog_mean_of(&scratch->fog, way.hit.distance_m);
     double cosine = vertex->in_air ? 0.25 : dot(vertex->normal, way.ray.direction);
     if (!vertex->in_air && al_gather_source_of_way(&way, &source, &scale))
         al_gather_response(gather, &source, vertex->normal, response);
     for (int c = 0; c < 3; c++) {
-        double arrives = cosine * exp(-scratch->fog.depth[c]) + scale * response[c];
+        double arrives = cosine * way.transmittance[c] + scale * response[c];
         carried[c] *= way.hit.albedo[c] * arrives / (AL_PI * way.density_per_sr);
     }
     *vertex = al_gather_vertex_of(&way.hit);

@@ -51,6 +51,33 @@ static void test_furnace(al_walls walls)
     }
 }
 
+/* The same bytes for any number of threads. */
+static void test_threads(void)
+{
+    const char *scene = "{'meshes':[{'name':'ball','shape':{'type':'sphere','subdivisions':2}}],"
+                        "'lights':[{'type':'point','position_m':[0,2,0],'intensity_w_sr':1}],"
+                        "'environment':{'radiance_w_m2_sr':1},"
+                        "'media':[{'name':'fog','sigma_s_per_m':[1,2,3],'g':0.4,'density':{'type':'constant',"
+                        "'bounds_min_m':[-1,-1,-1],'bounds_max_m':[1,1,1]}}],'fogs':['fog']}";
+    const double position[3] = {0, 0.5, 0}, up[3] = {0, 1, 0};
+    al_gather_options options = {.samples = 8,
+                                 .bounces = 2,
+                                 .fog = true,
+                                 .walls = AL_WALLS_BOUNDED,
+                                 .threads = 1,
+                                 .fog_points = 6,
+                                 .fog_samples = 8,
+                                 .sh_order = 2};
+    test_gather one = open_gather(scene, NULL, &options);
+    options.threads = 3;
+    test_gather three = open_gather(scene, NULL, &options);
+    al_gathered a = gather_at(&one, position, up, 9), b = gather_at(&three, position, up, 9);
+    CHECK(!memcmp(&a, &b, sizeof a));
+    CHECK(a.scattered[0] > 0);
+    close_gather(&one);
+    close_gather(&three);
+}
+
 /* Fog in which light gets from no point to the next is refused. */
 static void test_too_dense(void)
 {
@@ -68,6 +95,7 @@ int main(void)
 {
     test_furnace(AL_WALLS_BOUNDED);
     test_furnace(AL_WALLS_TRACED);
+    test_threads();
     test_too_dense();
     return test_end();
 }
