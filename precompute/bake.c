@@ -249,14 +249,13 @@ static al_status make_tables(bake *b, const char *path, al_error *error)
     return status;
 }
 
-/* Impulse tables in the folder, where the rays of lightmap and probes need them: those that lie there, of whatever settings,
- * else new ones. */
+/* Impulse tables in the folder, where the rays of lightmap and probes need them: those that lie there, of whatever
+ * settings, else new ones. */
 static al_status open_tables(bake *b, al_error *error)
 {
     char path[1400];
     al_open_options options = {.kind = AL_KIND_IMPULSE_TABLES};
-    if (!b->import->scene.fog_count || b->import->description->lightmap.walls != AL_WALLS_PUBLISHED)
-        return AL_OK;
+    if (!al_plan_needs_tables(b->import)) return AL_OK;
     snprintf(path, sizeof path, "%s/impulse-tables.air", b->arguments->folder);
     uint64_t present;
     al_status status = AL_OK;

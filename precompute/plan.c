@@ -20,6 +20,24 @@ static void add(al_plan *plan, const char *step, bool needed, const char *why, d
         (al_plan_step){step, needed, why, needed ? seconds : 0, needed ? (uint64_t)bytes : 0};
 }
 
+bool al_plan_needs_tables(const al_import *import)
+{
+    return (al_atlas_needed(&import->scene) || import->description->has_probes) && import->scene.fog_count > 0 &&
+           import->description->lightmap.walls == AL_WALLS_PUBLISHED;
+}
+
+static void add_tables(const al_import *import, al_plan *plan)
+{
+    bool needed = al_plan_needs_tables(import),
+         light = al_atlas_needed(&import->scene) || import->description->has_probes;
+    add(plan, "impulse tables", needed,
+        needed                         ? "walls as published: fog's scattered light is looked up in tables"
+        : !light                       ? "neither lightmap nor probes are baked"
+        : import->scene.fog_count == 0 ? "the scene has no fog"
+                                       : "walls are not as published: rays gather the fog's light themselves",
+        40, 5e8);
+}
+
 static void add_lightmap(const al_import *import, al_plan *plan)
 {
     const al_lightmap_settings *s = &import->description->lightmap;
@@ -107,6 +125,7 @@ void al_plan_make(const al_import *import, al_plan *plan)
         scene->environment.width > 0 ? "the scene has an environment light"
                                      : "the scene has no environment light",
         0.1, 12.0 * scene->environment.width * scene->environment.height);
+    add_tables(import, plan);
     add_lightmap(import, plan);
     add_probes(import, plan);
 }

@@ -19,6 +19,8 @@ typedef struct al_plan {
     unsigned count;
 } al_plan;
 
+/* Lightmaps and probes with walls as published look the fog's scattered light up in impulse tables. */
+bool al_plan_needs_tables(const al_import *import);
 void al_plan_make(const al_import *import, al_plan *plan);
 
 #endif

@@ -67,6 +67,8 @@ al_status al_report_write(const char *folder, const al_report *report, al_error 
                               json_pack("{s:s, s:s}", "path", report->import->inputs[i].path, "xxh64", hash));
     }
     append_asset(assets, folder, "scene.air", al_kind_name(AL_KIND_SCENE));
+    if (al_plan_needs_tables(report->import))
+        append_asset(assets, folder, "impulse-tables.air", al_kind_name(AL_KIND_IMPULSE_TABLES));
     for (uint32_t i = 0; i < scene->translucent_count; i++)
         append_asset(assets, folder, scene->translucents[i].asset, al_kind_name(AL_KIND_TRANSLUCENT));
     for (uint32_t i = 0; i < scene->fog_count; i++) {

@@ -56,6 +56,29 @@ fails 2 "--table-events" "$bin/airlight-bake" --tables "$work/t.air" --table-eve
 fails 2 "--table-g" "$bin/airlight-bake" --tables "$work/t.air" --table-g 1
 [ ! -e "$work/t.air" ] || wrong "wrong usage leaves a file"
 
+# A scene takes the tables that lie in its folder, of whatever settings, else makes them there; one whose walls are not
+# as published has no use for them.
+cat >"$work/foggy.json" <<'SCENE'
+{
+  "meshes": [{"name": "floor", "shape": {"type": "plane", "width_m": 2, "depth_m": 2}, "lighting": "lightmap"}],
+  "lights": [{"name": "lamp", "type": "point", "position_m": [0, 1, 0], "intensity_w_sr": 5}],
+  "media": [{"name": "fog", "sigma_s_per_m": 0.5}],
+  "fogs": ["fog"],
+  "lightmap": {"texel_m": 0.5, "samples": 4, "bounces": 1, "walls": "published"}
+}
+SCENE
+# shellcheck disable=SC2086
+run 0 "$bin/airlight-bake" "$work/foggy.json" -o "$work/foggy" $small
+grep -q "wrote $work/foggy/impulse-tables.air" "$work/stderr" || wrong "makes no tables: $(cat "$work/stderr")"
+tr -d ' \n' <"$work/foggy/report.json" | grep -q '"path":"impulse-tables.air","kind":"impulse-tables"' || wrong "no tables in the report"
+tr -d ' \n' <"$work/foggy/report.json" | grep -q '"step":"impulsetables","needed":true' || wrong "no tables in the plan"
+run 0 "$bin/airlight-bake" "$work/foggy.json" -o "$work/foggy"
+grep -q "impulse-tables" "$work/stderr" && wrong "does not take the tables that are there: $(cat "$work/stderr")"
+sed 's/"published"/"bounded"/' "$work/foggy.json" >"$work/bounded.json"
+run 0 "$bin/airlight-bake" "$work/bounded.json" -o "$work/bounded"
+[ ! -e "$work/bounded/impulse-tables.air" ] || wrong "tables that nobody needs"
+tr -d ' \n' <"$work/bounded/report.json" | grep -q '"step":"impulsetables","needed":false' || wrong "unneeded tables in the plan"
+
 # Answers.
 ask() {
     run 0 "$bin/airlight-inspect" "$default" --eval "$1"
