@@ -71,11 +71,9 @@ al_status al_report_write(const char *folder, const al_report *report, al_error 
         append_asset(assets, folder, "impulse-tables.air", al_kind_name(AL_KIND_IMPULSE_TABLES));
     for (uint32_t i = 0; i < scene->translucent_count; i++)
         append_asset(assets, folder, scene->translucents[i].asset, al_kind_name(AL_KIND_TRANSLUCENT));
-    for (uint32_t i = 0; i < scene->fog_count; i++) {
-        bool before = !*scene->fogs[i].asset; /* fogs may share an asset */
-        for (uint32_t k = 0; k < i; k++) before = before || scene->fogs[k].medium == scene->fogs[i].medium;
-        if (!before) append_asset(assets, folder, scene->fogs[i].asset, al_kind_name(AL_KIND_MEDIUM));
-    }
+    for (uint32_t i = 0; i < scene->fog_count; i++)
+        if (*scene->fogs[i].asset)
+            append_asset(assets, folder, scene->fogs[i].asset, al_kind_name(AL_KIND_MEDIUM));
     if (*scene->baked.probes) append_asset(assets, folder, scene->baked.probes, al_kind_name(AL_KIND_PROBES));
     if (*scene->baked.lightmap)
         append_asset(assets, folder, scene->baked.lightmap, al_kind_name(AL_KIND_LIGHTMAP));
