@@ -31,6 +31,7 @@ al_status al_object_join(al_draw *draw)
     glBlendFunc(GL_ONE, GL_SRC1_COLOR);
     glBindVertexArray(runtime->empty_vertex_array);
     glDrawArrays(GL_TRIANGLES, 0, 3);
+    if (runtime->fogs.drawn) al_gl_bind_texture(AL_UNIT_FOG, runtime->fogs.bricks.id); /* as it was */
     glDisable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ZERO); /* a second source forbids two colour targets, blending or not */
     al_timing_end(&runtime->timing);

@@ -111,12 +111,13 @@ void main()
         vec3 arriving = light_arrival(i, world, 3.0 * gaussian.x * prefix.x, direction, reach);
         vec3 own = mat3(world_to_object) * direction;
         arriving *= transmittance(own) * al_phase(albedo.w, -dot(direction, eye_way));
+#ifdef AL_FOG
+        // First: behind the two below, llvmpipe of Mesa 22.3 samples for one invocation of eight alone.
+        arriving *= fog_transmittance(world, direction, reach, 64.0);
+#endif
         if (toggles.z != 0 && arriving != vec3(0.0))
             arriving *= opaque_visibility(i, world, vec3(0.0)) *
                         translucent_visibility(world, direction, reach, sizes.z);
-#ifdef AL_FOG
-        arriving *= fog_transmittance(world, direction, reach, 64.0);
-#endif
         sum += arriving;
         slope += dot(arriving, ratio.rgb) * own;
     }

@@ -1,14 +1,14 @@
 /* The player's single scattering in fog against a picture of the reference folder:
- * fog_reference BAKED REFERENCE.exr ERROR.exr LIMIT. Pixels whose ray passes within 0.15 m of the first light
- * are left out: its glow has no bound there. The relative RMSE with the reference's noise taken out must not
- * be above LIMIT. */
+ * fog_reference BAKED REFERENCE.exr ERROR.exr LIMIT [CELLS [FRAMES]]. Pixels whose ray passes within 0.15 m
+ * of the first light are left out: its glow has no bound there. The relative RMSE with the reference's noise
+ * taken out must not be above LIMIT. */
 #include <stdlib.h>
 
 #include "../test.h"
 #include "airlight/image.h"
 #include "stage.h"
 
-enum { FRAMES = 8 };
+enum { DEFAULT_FRAMES = 8 };
 
 /* Whether pixel x, y (first row on top) of the reference camera sees past the light. */
 static bool counts(const al_light *light, const float eye[3], double tangent, uint32_t edge, uint32_t x,
@@ -37,7 +37,10 @@ int main(int argc, char **argv)
     al_runtime *runtime = NULL;
     al_error failure = {0};
     al_image wanted = {0}, error = {0};
-    if (argc != 5) return 2;
+    if (argc < 5) return 2;
+    const al_settings settings = {.pass = AL_PASS_DIRECT_SCATTERING,
+                                  .fog_steps = argc > 5 ? (uint32_t)atoi(argv[5]) : 0};
+    const int frames = argc > 6 ? atoi(argv[6]) : DEFAULT_FRAMES;
     if (!stage_open()) return test_skip("no OpenGL 4.5 context");
     if (al_image_read_exr(argv[2], &wanted, &failure) || al_image_read_exr(argv[3], &error, &failure) ||
         al_runtime_create(NULL, &runtime, &failure) || !stage_load(runtime, argv[1])) {
@@ -48,11 +51,11 @@ int main(int argc, char **argv)
     const float eye[3] = {0, 0, 3.9f}, fov = 39.3f / 57.29577951f;
     float *sum = calloc((size_t)edge * edge * 3, sizeof *sum);
     al_view view = stage_look(edge, edge, eye, (float[3]){0, 0, 0}, fov);
-    for (int frame = 0; frame < FRAMES; frame++) {
+    for (int frame = 0; frame < frames; frame++) {
         jitter(&view, frame);
-        float *pixels = stage_draw(runtime, &view, &(al_settings){.pass = AL_PASS_DIRECT_SCATTERING}, 0);
+        float *pixels = stage_draw(runtime, &view, &settings, 0);
         CHECK(pixels && stage_bad(pixels, (uint64_t)edge * edge * 3) == 0);
-        for (size_t i = 0; pixels && i < (size_t)edge * edge * 3; i++) sum[i] += pixels[i] / FRAMES;
+        for (size_t i = 0; pixels && i < (size_t)edge * edge * 3; i++) sum[i] += pixels[i] / (float)frames;
         free(pixels);
     }
     double squared = 0, noise = 0, scale = 0, seen = 0, all = 0;

@@ -19,8 +19,9 @@ typedef struct fog_options {
     const float *sigma_s, *sigma_a; /* [3]; NULL: 0.5 and 0 */
     float g, half;                  /* edge of the box / 2, 0: endless */
     float center[3];
-    bool grid, floor, sphere; /* as an asset; a white floor at y = -1; a translucent sphere of radius 0.5 */
-    int lights;               /* the first one directional towards -z, further ones points */
+    bool grid, floor; /* as an asset; a white floor at y = -1 */
+    int spheres;      /* translucent, of radius 0.5, 1.1 m apart, each behind the one before */
+    int lights;       /* the first one directional towards -z, further ones points */
 } fog_options;
 
 static al_status slice(void *user, uint32_t frame, uint32_t z, float *density, al_error *error)
@@ -72,10 +73,12 @@ static al_runtime *open_fog(const fog_options *o)
     s.scene.baked = (al_baked_light){"", ""};
     if (o->grid) write_grid(&fog, &s.medium);
     if (o->floor) sphere_scene_add_floor(&s, 4, (float[3]){0, -1, 0});
-    if (o->sphere) {
+    if (o->spheres) {
         CHECK(sphere_write_asset(folder, "sphere.air",
                                  &(sphere_options){.radius = 0.5f, .samples = 500, .grid = 32}));
-        sphere_scene_add(&s, "sphere.air", 0.5f, (float[3]){0, 0, 0});
+        for (int i = 0; i < o->spheres; i++)
+            sphere_scene_add(&s, "sphere.air", 0.5f, (float[3]){0.3f * (float)i, 0, -1.1f * (float)i});
+        if (o->spheres > 1) s.materials[0].ior = 1.5f; /* its reflection needs every texture unit */
     }
     for (int i = 0; i < o->lights; i++)
         sphere_scene_add_light(&s, i ? AL_LIGHT_POINT : AL_LIGHT_DIRECTIONAL,
@@ -181,6 +184,7 @@ static void test_grid(void)
                                                       .center = {0.1f, 0, -0.2f},
                                                       .grid = pass == 1,
                                                       .floor = true,
+                                                      .spheres = 2,
                                                       .lights = 2});
         al_view view = front_view(EDGE);
         average(runtime, &view, NULL, 4, pass ? grid : constant);
@@ -203,7 +207,7 @@ static void test_translucent(void)
     static double clear[EDGE * EDGE * 3], seen[EDGE * EDGE * 3];
     const float none[3] = {0, 0, 0}, sigma_a[3] = {0.4f, 0.8f, 1.6f};
     al_runtime *runtime =
-        open_fog(&(fog_options){none, sigma_a, 0, 0.5f, {0, 0, 1.6f}, .sphere = true, .lights = 1});
+        open_fog(&(fog_options){none, sigma_a, 0, 0.5f, {0, 0, 1.6f}, .spheres = 1, .lights = 1});
     al_view view = front_view(EDGE);
     al_scene *scene = al_runtime_scene(runtime);
     scene->lights[0].vector[0] = -1; /* from the side: not through the fog */
@@ -220,7 +224,7 @@ static void test_translucent(void)
      * empty background, and lies over the sphere's. */
     const float sigma_s[3] = {0.5f, 0.5f, 0.5f};
     static double fog[EDGE * EDGE * 3];
-    runtime = open_fog(&(fog_options){sigma_s, NULL, 0, 0.5f, {0, 0, 1.6f}, .sphere = true, .lights = 2});
+    runtime = open_fog(&(fog_options){sigma_s, NULL, 0, 0.5f, {0, 0, 1.6f}, .spheres = 1, .lights = 2});
     average(runtime, &view, &(al_settings){.pass = AL_PASS_DIRECT_SCATTERING}, 8, fog);
     average(runtime, &view, NULL, 8, seen);
     scene = al_runtime_scene(runtime);
