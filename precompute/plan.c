@@ -22,8 +22,8 @@ static void add(al_plan *plan, const char *step, bool needed, const char *why, d
 
 bool al_plan_needs_tables(const al_import *import)
 {
-    return (al_atlas_needed(&import->scene) || import->description->has_probes) && import->scene.fog_count > 0 &&
-           import->description->lightmap.walls == AL_WALLS_PUBLISHED;
+    return (al_atlas_needed(&import->scene) || import->description->has_probes) &&
+           import->scene.fog_count > 0 && import->description->lightmap.walls == AL_WALLS_PUBLISHED;
 }
 
 static void add_tables(const al_import *import, al_plan *plan)
@@ -35,7 +35,7 @@ static void add_tables(const al_import *import, al_plan *plan)
         : !light                       ? "neither lightmap nor probes are baked"
         : import->scene.fog_count == 0 ? "the scene has no fog"
                                        : "walls are not as published: rays gather the fog's light themselves",
-        40, 5e8);
+        40, 5.4e8);
 }
 
 static void add_lightmap(const al_import *import, al_plan *plan)

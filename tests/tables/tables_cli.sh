@@ -56,6 +56,10 @@ fails 2 "--table-events" "$bin/airlight-bake" --tables "$work/t.air" --table-eve
 fails 2 "--table-g" "$bin/airlight-bake" --tables "$work/t.air" --table-g 1
 [ ! -e "$work/t.air" ] || wrong "wrong usage leaves a file"
 
+# Stopped on the way: nothing is left behind.
+fails 130 "cancelled" timeout --preserve-status -s INT 2 "$bin/airlight-bake" --tables "$work/cancelled.air" --quiet
+[ -z "$(find "$work" -name 'cancelled*')" ] || wrong "left behind: $(find "$work" -name 'cancelled*')"
+
 # A scene takes the tables that lie in its folder, of whatever settings, else makes them there; one whose walls are not
 # as published has no use for them.
 cat >"$work/foggy.json" <<'SCENE'
