@@ -13,6 +13,9 @@ static al_impulse_tables *tables_open(const char *path)
     al_error error;
     al_file *file; /* open until the program ends */
     al_impulse_tables *tables;
+    FILE *there = fopen(path, "rb");
+    if (!there) exit(test_skip("there are no tables: tables.bake found no OpenCL device"));
+    fclose(there);
     al_status status = al_file_open(path, NULL, &file, &error);
     if (status == AL_OK) status = al_impulse_tables_read(file, &tables, &error);
     if (status == AL_OK) return tables;
