@@ -358,6 +358,7 @@ static bool trace_path(building *b, al_gather_scratch *scratch, const al_gather_
     double u[2], straight[3], others[3], carried[3];
     al_gather_way way;
     way.asks = false;
+    way.places = 0; /* recorded instead */
     al_sequence_pair(sequence, u);
     al_gather_draw(vertex, u, way.ray.direction, &way.density_per_sr);
     al_gather_origin(vertex, way.ray.direction, way.ray.origin);

@@ -163,6 +163,7 @@ static bool add_path(summing *s, al_sequence *sequence, double weight)
     double u[2], basis[AL_SH_MAX_COUNT], plain[3], through[3], scattered[3];
     al_gather_way way;
     way.asks = s->gather->responds;
+    way.places = AL_GATHER_FIRST_PLACES;
     al_sequence_pair(sequence, u);
     al_gather_draw(&s->vertex, u, way.ray.direction, &way.density_per_sr);
     if (!(way.density_per_sr > 0)) return true;

@@ -166,6 +166,7 @@ static bool estimate(const al_gather *gather, al_gather_scratch *scratch, const 
     double arrives = vertex->asks ? dot(vertex->normal, way.ray.direction) / way.density_per_sr : AL_PI;
     for (int c = 0; c < 3; c++) ahead[c] = arrives * carried[c];
     way.asks = vertex->asks;
+    way.places = AL_GATHER_LATER_PLACES;
     if (!al_gather_follow(gather, scratch, bounces, ahead, importance, sequence, &way)) return false;
     if (way.asks && al_gather_source_of_way(&way, &source, &scale))
         al_gather_response(gather, &source, vertex->normal, response);

@@ -4,11 +4,16 @@
 
 #include "gather_state.h"
 
+/* The first way of a path is seen by the point itself: there places, which cost less than rays, take more
+ * noise away than paths do. */
+enum { AL_GATHER_FIRST_PLACES = 8, AL_GATHER_LATER_PLACES = 2 };
+
 /* One way along which light arrives at a vertex. */
 typedef struct al_gather_way {
     al_ray ray;
     double density_per_sr; /* of drawing the direction */
     bool asks;             /* whether `fog` is wanted */
+    uint32_t places;       /* distances drawn for the fog points' light: AL_GATHER_FIRST_PLACES or _LATER_ */
     bool met;              /* a surface ends it */
     al_surface_hit hit;
     double transmittance[3];
@@ -18,9 +23,9 @@ typedef struct al_gather_way {
     al_gather_layers sent; /* radiance that leaves the far end along the ray: of surface or sky */
 } al_gather_way;
 
-/* Fills the way from its ray, density and `asks`. `bounces`: diffuse reflections that may follow, the one at
- * its end included. `carried`: what arriving radiance is multiplied with on its way to the path's first
- * point; `importance`: the share that surfaces leave of it, for Russian roulette. */
+/* Fills the way from its ray, density, `asks` and `places`. `bounces`: diffuse reflections that may follow,
+ * the one at its end included. `carried`: what arriving radiance is multiplied with on its way to the path's
+ * first point; `importance`: the share that surfaces leave of it, for Russian roulette. */
 bool al_gather_follow(const al_gather *gather, al_gather_scratch *scratch, uint32_t bounces,
                       const double carried[3], double importance, al_sequence *sequence, al_gather_way *way);
 

@@ -215,12 +215,27 @@ static bool record(const al_gather *gather, al_gather_scratch *scratch, const do
     return true;
 }
 
+/* Light that the fog points know, at evenly dealt distances. */
+static void add_others(const al_gather *gather, const al_fog_path *fog, double u, al_gather_way *way)
+{
+    channels of = channels_of(gather);
+    for (uint32_t i = 0; i < way->places; i++) {
+        place at;
+        double radiance[3];
+        fill_place(fog, of, &way->ray, draw_flight(fog, of, (i + u) / way->places), &at);
+        if (!at.cell || !(at.density_per_m > 0)) continue;
+        fill_power(&at);
+        al_fog_points_scatter(gather->points, at.position, way->ray.direction, at.cell->g, radiance);
+        for (int c = 0; c < 3; c++) way->scattered[c] += at.power[c] * radiance[c] / way->places;
+    }
+}
+
 bool al_gather_scatter(const al_gather *gather, al_gather_scratch *scratch, const double carried[3],
                        al_sequence *sequence, al_gather_way *way)
 {
     const al_fog_path *fog = &scratch->fog;
     channels of = channels_of(gather);
-    double u[2], radiance[3];
+    double u[2];
     place at;
     if (!gather->fog.scatters || !(fog->depth[0] + fog->depth[1] + fog->depth[2] > 0)) return true;
     al_sequence_pair(sequence, u);
@@ -233,7 +248,6 @@ bool al_gather_scatter(const al_gather *gather, al_gather_scratch *scratch, cons
         add_once(gather, scratch, AL_LIGHT_KIND_EMITTER, at, sequence, way);
         add_once(gather, scratch, AL_LIGHT_KIND_SKY, at, sequence, way);
     }
-    al_fog_points_scatter(gather->points, at.position, way->ray.direction, at.cell->g, radiance);
-    for (int c = 0; c < 3; c++) way->scattered[c] += at.power[c] * radiance[c];
+    add_others(gather, fog, u[0], way);
     return true;
 }
