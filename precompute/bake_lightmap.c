@@ -2,7 +2,6 @@
 
 #include <jansson.h>
 #include <math.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,12 +10,10 @@
 
 #include "airlight/image.h"
 #include "airlight/lightmap.h"
-#include "gather.h"
+#include "gather_job.h"
 #include "geometry.h"
-#include "journal.h"
 #include "light_key.h"
 #include "light_page.h"
-#include "parallel.h"
 #include "texels.h"
 
 /* Part of every key: raise it when a step's result changes for the same input. */
@@ -24,8 +21,7 @@ static const uint32_t bake_version = 1;
 
 enum {
     TILE_TEXELS = 64,
-    IRRADIANCE_CHANNELS = 3 * AL_LAYER_COUNT, /* layer by layer, R G B; then SH: layer, coefficient, R G B */
-    THREAD_LIMIT = 256
+    IRRADIANCE_CHANNELS = 3 * AL_LAYER_COUNT /* layer by layer, R G B; then SH: layer, coefficient, R G B */
 };
 
 /* A texel is taken to lie behind a surface when most of its first rays meet backs: in a solid all do, in
@@ -41,16 +37,10 @@ typedef struct lightmap_work {
     uint64_t key;
     char path[1200], partial_path[1210];
     al_texels texels;
-    uint32_t channel_count, tile_count;
-    al_gather *gather;
-    al_gather_scratch *scratch[THREAD_LIMIT];
+    uint32_t channel_count;
     /* [tile][TILE_TEXELS + 1][channel_count + 1]: light, then the share of backs; the last of a tile is its
      * first texel once more, by other paths */
     float *results;
-    bool *done; /* [tile] */
-    al_journal *journal;
-    al_progress progress;
-    atomic_uint finished;
     al_light_page *pages; /* [page_count] */
     al_seams *seams;      /* [page_count] */
     uint32_t replaced, fixed;
@@ -74,12 +64,6 @@ al_status al_bake_lightmap_key(const al_import *import, uint64_t tables_key, uin
     *key = XXH64(lengths, sizeof lengths, *key);
     *key = XXH64(&tables_key, sizeof tables_key, *key);
     return status;
-}
-
-static void add_step(lightmap_work *w, const char *name, double started, uint64_t bytes, uint64_t items)
-{
-    if (w->steps->count < AL_STEP_LIMIT)
-        w->steps->steps[w->steps->count++] = (al_step){name, al_program_seconds() - started, bytes, items};
 }
 
 /* --- lights that could light nothing --- */
@@ -130,15 +114,17 @@ static al_status check_emitters(const al_scene *scene, al_error *error)
 }
 
 /* Every ray from a point light that meets only backs is a light shut into a solid, or behind a wall. */
-static al_status check_places(lightmap_work *w, al_error *error)
+static al_status check_places(void *user, const al_gather *gather, al_gather_scratch *scratch,
+                              al_error *error)
 {
+    lightmap_work *w = user;
     const al_scene *scene = &w->import->scene;
     for (uint32_t i = 0; i < scene->light_count; i++) {
         const al_light *light = &scene->lights[i];
         const double position[] = {light->vector[0], light->vector[1], light->vector[2]};
         al_gathered around;
         if (light->type != AL_LIGHT_POINT) continue;
-        if (!al_gather_point(w->gather, w->scratch[0], position, NULL, 0, w->settings->seed, &around))
+        if (!al_gather_point(gather, scratch, position, NULL, 0, w->settings->seed, &around))
             return al_fail(error, AL_IO, "%s: out of memory", w->path);
         if (around.back_share > 0.999)
             return al_fail(
@@ -151,34 +137,6 @@ static al_status check_places(lightmap_work *w, al_error *error)
 }
 
 /* --- gathering --- */
-
-static bool on_gather_progress(void *user, double done, double total)
-{
-    return al_progress_update(user, done, total);
-}
-
-static al_status open_gather(lightmap_work *w, const al_impulse_tables *tables, al_error *error)
-{
-    const al_lightmap_settings *s = w->settings;
-    double started = al_program_seconds();
-    const al_gather_options options = {.samples = s->samples,
-                                       .bounces = s->bounces,
-                                       .fog = w->import->scene.fog_count > 0,
-                                       .walls = s->walls,
-                                       .back_scatter = s->back_scatter,
-                                       .back_scatter_shift_m = s->back_scatter_shift_m,
-                                       .sh_order = s->directional_order,
-                                       .threads = w->options->threads,
-                                       .seed = s->seed,
-                                       .on_progress = on_gather_progress,
-                                       .user = &w->progress};
-    al_progress_begin(&w->progress, w->options->program, "light in the scene");
-    al_status status = al_gather_open(w->import, tables, &options, &w->gather, error);
-    if (status != AL_OK) return status;
-    al_progress_end(&w->progress);
-    add_step(w, "light in the scene", started, 0, w->import->scene.instance_count);
-    return AL_OK;
-}
 
 static float finite_or_zero(double value)
 {
@@ -202,70 +160,67 @@ static void keep(const lightmap_work *w, const al_gathered *g, float *out)
     *out = finite ? (float)g->back_share : 1;
 }
 
-static float *result_of(const lightmap_work *w, uint32_t tile, uint32_t texel)
+static uint32_t tile_count(const lightmap_work *w)
 {
-    return w->results + ((size_t)tile * (TILE_TEXELS + 1) + texel) * (w->channel_count + 1);
+    return (w->texels.count + TILE_TEXELS - 1) / TILE_TEXELS;
+}
+
+static size_t tile_floats(const lightmap_work *w)
+{
+    return (size_t)(TILE_TEXELS + 1) * (w->channel_count + 1);
+}
+
+static const float *result_of(const lightmap_work *w, uint32_t tile, uint32_t texel)
+{
+    return w->results + tile * tile_floats(w) + texel * (size_t)(w->channel_count + 1);
 }
 
 /* `paths` tells one set of paths from another. */
-static bool bake_texel(lightmap_work *w, const al_texel *t, uint32_t paths, unsigned thread, float *out)
+static bool bake_texel(const lightmap_work *w, const al_gather *gather, al_gather_scratch *scratch,
+                       const al_texel *t, uint32_t paths, float *out)
 {
     const uint32_t place[] = {w->settings->seed, t->page, t->cell, paths};
     const double normal[3] = {t->normal[0], t->normal[1], t->normal[2]};
     al_gathered gathered;
-    if (al_program_cancelled() || !al_gather_point(w->gather, w->scratch[thread], t->position, normal,
-                                                   t->edge_m, XXH64(place, sizeof place, 0), &gathered))
+    if (al_program_cancelled() || !al_gather_point(gather, scratch, t->position, normal, t->edge_m,
+                                                   XXH64(place, sizeof place, 0), &gathered))
         return false;
     keep(w, &gathered, out);
     return true;
 }
 
-static bool bake_tile(void *user, unsigned tile, unsigned thread)
+static bool bake_tile(void *user, const al_gather *gather, al_gather_scratch *scratch, uint32_t tile,
+                      float *out)
 {
-    lightmap_work *w = user;
+    const lightmap_work *w = user;
     const al_texel *texels = w->texels.texels + (size_t)tile * TILE_TEXELS;
-    if (w->done[tile]) return true;
+    size_t stride = w->channel_count + 1;
     for (uint32_t i = 0; i < TILE_TEXELS && tile * TILE_TEXELS + i < w->texels.count; i++)
-        if (!bake_texel(w, &texels[i], 0, thread, result_of(w, tile, i))) return false;
-    if (!bake_texel(w, &texels[0], 1, thread, result_of(w, tile, TILE_TEXELS))) return false;
-    if (!al_journal_append(w->journal, tile)) return false;
-    unsigned finished = atomic_fetch_add(&w->finished, 1) + 1;
-    if (thread == 0) al_progress_update(&w->progress, finished, w->tile_count);
-    return true;
+        if (!bake_texel(w, gather, scratch, &texels[i], 0, out + i * stride)) return false;
+    return bake_texel(w, gather, scratch, &texels[0], 1, out + TILE_TEXELS * stride);
 }
 
-/* All tiles that an earlier run has not finished. */
-static al_status gather_texels(lightmap_work *w, al_error *error)
+static al_status gather_texels(lightmap_work *w, const al_impulse_tables *tables, al_error *error)
 {
-    double started = al_program_seconds();
-    size_t tile_size = (size_t)(TILE_TEXELS + 1) * (w->channel_count + 1) * sizeof *w->results;
-    unsigned threads = al_parallel_threads(w->options->threads), left = 0;
-    w->tile_count = (w->texels.count + TILE_TEXELS - 1) / TILE_TEXELS;
-    w->results = calloc(w->tile_count + (size_t)1, tile_size);
-    w->done = calloc(w->tile_count + (size_t)1, sizeof *w->done);
-    bool memory = w->results && w->done;
-    for (unsigned i = 0; i < threads && memory; i++)
-        memory = (w->scratch[i] = al_gather_scratch_new(w->gather)) != NULL;
-    if (!memory) return al_fail(error, AL_IO, "%s: out of memory for %u texels", w->path, w->texels.count);
-    al_status status = check_places(w, error);
-    if (status != AL_OK) return status;
-    status = al_journal_open(w->partial_path, w->key, w->results, tile_size, w->done, w->tile_count,
-                             &w->journal, error);
-    if (status != AL_OK) return status;
-    for (uint32_t i = 0; i < w->tile_count; i++) left += !w->done[i];
-    if (left < w->tile_count)
-        al_program_say(w->options->program, "going on with %u of %u tiles of texels", left, w->tile_count);
-    atomic_init(&w->finished, w->tile_count - left);
-    al_progress_begin(&w->progress, w->options->program, "lightmap");
-    bool whole = al_parallel(w->options->threads, w->tile_count, bake_tile, w);
-    status = al_journal_close(w->journal, error);
-    if (status != AL_OK) return status;
-    if (al_program_cancelled())
-        return al_fail(error, AL_CANCELLED, "stopped; the same command goes on from here");
-    if (!whole) return al_fail(error, AL_IO, "%s: out of memory while gathering light", w->path);
-    al_progress_end(&w->progress);
-    add_step(w, "lightmap", started, 0, w->texels.count);
-    return AL_OK;
+    const al_lightmap_settings *s = w->settings;
+    const al_gather_job job = {.name = "lightmap",
+                               .partial = w->partial_path,
+                               .key = w->key,
+                               .gather = {.samples = s->samples,
+                                          .bounces = s->bounces,
+                                          .fog = w->import->scene.fog_count > 0,
+                                          .walls = s->walls,
+                                          .back_scatter = s->back_scatter,
+                                          .back_scatter_shift_m = s->back_scatter_shift_m,
+                                          .sh_order = s->directional_order,
+                                          .seed = s->seed},
+                               .piece_count = tile_count(w),
+                               .items = w->texels.count,
+                               .piece_floats = tile_floats(w),
+                               .check = check_places,
+                               .fill = bake_tile,
+                               .user = w};
+    return al_gather_job_run(&job, w->import, tables, w->options, w->steps, &w->results, error);
 }
 
 /* --- pages --- */
@@ -305,7 +260,7 @@ static al_status finish_pages(lightmap_work *w, al_error *error)
         if (status == AL_OK) status = al_light_page_dilate(&w->pages[p], w->settings->padding_texels, error);
         w->replaced += replaced;
     }
-    add_step(w, "texels behind surfaces, padding", started, 0, w->replaced);
+    al_steps_add(w->steps, "texels behind surfaces, padding", started, 0, w->replaced);
     started = al_program_seconds();
     uint64_t places = 0;
     for (uint32_t p = 0; status == AL_OK && p < w->atlas->page_count; p++) {
@@ -313,7 +268,7 @@ static al_status finish_pages(lightmap_work *w, al_error *error)
                                       &w->seams[p], error);
         places += w->seams[p].places;
     }
-    add_step(w, "seams", started, 0, places);
+    al_steps_add(w->steps, "seams", started, 0, places);
     return status;
 }
 
@@ -420,7 +375,7 @@ static bool describe_geometry(const lightmap_work *w, asset *a)
 static double noise_of(const lightmap_work *w, int layer)
 {
     double variance = 0, light = 0;
-    for (uint32_t tile = 0; tile < w->tile_count; tile++) {
+    for (uint32_t tile = 0; tile < tile_count(w); tile++) {
         const float *a = result_of(w, tile, 0), *b = result_of(w, tile, TILE_TEXELS);
         if (a[w->channel_count] > BEHIND_SHARE) continue;
         for (int c = 3 * layer; c < 3 * layer + 3; c++) {
@@ -513,7 +468,7 @@ static al_status write_files(lightmap_work *w, al_error *error)
     a.data.triangles = a.triangles;
     a.data.provenance_json = a.provenance;
     if (status == AL_OK) status = al_lightmap_write(w->path, &a.data, &bytes, error);
-    add_step(w, "write", started, bytes, pages);
+    al_steps_add(w->steps, "write", started, bytes, pages);
     free_asset(&a, pages);
     return status;
 }
@@ -524,8 +479,7 @@ static al_status run_steps(lightmap_work *w, const al_impulse_tables *tables, al
 {
     al_status status = check_emitters(&w->import->scene, error);
     if (status == AL_OK) status = al_texels_make(&w->import->scene, w->atlas, &w->texels, error);
-    if (status == AL_OK) status = open_gather(w, tables, error);
-    if (status == AL_OK) status = gather_texels(w, error);
+    if (status == AL_OK) status = gather_texels(w, tables, error);
     if (status == AL_OK) status = finish_pages(w, error);
     return status == AL_OK ? write_files(w, error) : status;
 }
@@ -551,12 +505,9 @@ al_status al_bake_lightmap(const al_import *import, const al_atlas *atlas, uint6
     al_status status = run_steps(w, tables, error);
     if (status == AL_OK) unlink(w->partial_path);
 
-    for (int i = 0; i < THREAD_LIMIT; i++) al_gather_scratch_free(w->scratch[i]);
-    al_gather_close(w->gather);
     for (uint32_t p = 0; w->pages && p < atlas->page_count; p++) al_light_page_free(&w->pages[p]);
     al_texels_free(&w->texels);
     free(w->results);
-    free(w->done);
     free(w->pages);
     free(w->seams);
     free(w);

@@ -5,7 +5,7 @@
 
 #include "airlight/impulse_tables.h"
 #include "atlas.h"
-#include "bake_object.h"
+#include "bake_step.h"
 
 /* Name of the asset's file in the folder, from the scene file's name. */
 void al_bake_lightmap_file(const al_import *import, char *name, size_t size);

@@ -1,5 +1,7 @@
 #include "bake_medium.h"
 
+#include "bake_object.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #ifndef AIRLIGHT_BAKE_MEDIUM_H
 #define AIRLIGHT_BAKE_MEDIUM_H
 
-#include "bake_object.h"
+#include "bake_step.h"
 
 /* Whether the fog needs an asset: a constant density, with bounds or without, does not. */
 bool al_fog_varies(const al_import *import, uint32_t fog);

@@ -45,45 +45,9 @@ typedef struct work {
     uint32_t stage;
 } work;
 
-void al_asset_file(const char *name, const char *kind, char *file, size_t size)
-{
-    char safe[120];
-    size_t n = 0;
-    bool changed = false;
-    const char *c = name;
-    for (; *c && n + 1 < sizeof safe; c++) {
-        safe[n] = *c == '/' || *c == '\\' ? '_' : *c;
-        changed = changed || safe[n++] != *c;
-    }
-    if (*c)
-        while (n && (*c & 0xC0) == 0x80) c--, n--; /* UTF-8 is cut between characters */
-    changed = changed || *c;
-    safe[n] = 0;
-    if (changed)
-        snprintf(file, size, "%s-%016llx.%s.air", safe, (unsigned long long)XXH64(name, strlen(name), 0),
-                 kind);
-    else
-        snprintf(file, size, "%s.%s.air", safe, kind);
-}
-
-void al_scene_asset_file(const al_import *import, const char *kind, char *file, size_t size)
-{
-    const char *path = import->description->path, *slash = strrchr(path, '/'),
-               *base = slash ? slash + 1 : path, *dot = strrchr(base, '.');
-    char stem[1024];
-    snprintf(stem, sizeof stem, "%.*s", (int)(dot && dot > base ? (size_t)(dot - base) : strlen(base)), base);
-    al_asset_file(stem, kind, file, size);
-}
-
 void al_bake_object_file(const al_translucent_object *object, char *name, size_t size)
 {
     al_asset_file(object->name, "translucent", name, size);
-}
-
-static void add_step(work *w, const char *name, double seconds, uint64_t bytes, uint64_t items)
-{
-    if (w->steps->count < AL_STEP_LIMIT)
-        w->steps->steps[w->steps->count++] = (al_step){name, seconds, bytes, items};
 }
 
 static al_status load_surfaces(const al_import *import, uint32_t index, al_triangles *boundary,
@@ -179,7 +143,7 @@ static al_status voxelise(work *w, al_error *error)
     if (status == AL_OK)
         status = al_sweep_create(w->device, &w->grid, w->settings->directions, smallest_sigma(w),
                                  w->options->memory_limit, &w->sweep, error);
-    add_step(w, "voxelise", al_program_seconds() - started, 0, al_grid_count(&w->grid));
+    al_steps_add(w->steps, "voxelise", started, 0, al_grid_count(&w->grid));
     return status;
 }
 
@@ -210,8 +174,9 @@ static al_status compute_moment(work *w, al_checkpoint *checkpoint, al_error *er
     if (status != AL_OK) return status;
     al_moment_finish(&w->sweep, &w->moment);
     al_progress_end(&progress);
-    add_step(w, "optical depth", w->sweep.seconds, 0, al_grid_count(&w->grid) * w->settings->directions);
-    add_step(w, "moment", al_program_seconds() - started - w->sweep.seconds, 0, al_grid_count(&w->grid));
+    al_steps_add(w->steps, "optical depth", al_program_seconds() - w->sweep.seconds, 0,
+                 al_grid_count(&w->grid) * w->settings->directions);
+    al_steps_add(w->steps, "moment", started + w->sweep.seconds, 0, al_grid_count(&w->grid));
     return AL_OK;
 }
 
@@ -228,7 +193,7 @@ static al_status compute_rho(work *w, al_checkpoint *checkpoint, al_error *error
     if (!w->rho) return al_fail(error, AL_IO, "%s: out of memory for the divergence", w->object->name);
     status = al_divergence(w->device, &w->grid, w->moment.total, w->rho, error);
     al_moment_free(&w->moment);
-    add_step(w, "divergence", al_program_seconds() - started, 0, al_grid_count(&w->grid));
+    al_steps_add(w->steps, "divergence", started, 0, al_grid_count(&w->grid));
     return status;
 }
 
@@ -274,7 +239,7 @@ static al_status place_samples(work *w, al_error *error)
     if (status != AL_OK) return status;
     al_interior interior = {w->tetrahedra.points, w->tetrahedra.corners, w->tetrahedra.count,
                             w->blocker_solid};
-    add_step(w, "tetrahedra", al_program_seconds() - started, 0, interior.count);
+    al_steps_add(w->steps, "tetrahedra", started, 0, interior.count);
 
     started = al_program_seconds();
     w->stage = STAGE_SAMPLE;
@@ -283,7 +248,7 @@ static al_status place_samples(work *w, al_error *error)
                                 &w->samples, error);
     if (status != AL_OK) return status;
     al_progress_end(&progress);
-    add_step(w, "sample", al_program_seconds() - started, 0, w->samples.count);
+    al_steps_add(w->steps, "sample", started, 0, w->samples.count);
     status = check_skin(w, error);
     if (status != AL_OK) return status;
 
@@ -293,7 +258,7 @@ static al_status place_samples(work *w, al_error *error)
                                  &w->samples, error);
     if (status != AL_OK) return status;
     al_progress_end(&progress);
-    add_step(w, "gaussians", al_program_seconds() - started, 0, w->samples.count);
+    al_steps_add(w->steps, "gaussians", started, 0, w->samples.count);
     return AL_OK;
 }
 
@@ -364,8 +329,8 @@ static al_status project(work *w, al_error *error)
     }
     if (status != AL_OK) return status;
     al_progress_end(&progress);
-    add_step(w, "project", al_program_seconds() - started, 0,
-             (uint64_t)count * w->settings->directions * w->channel_count);
+    al_steps_add(w->steps, "project", started, 0,
+                 (uint64_t)count * w->settings->directions * w->channel_count);
     return AL_OK;
 }
 
@@ -467,7 +432,7 @@ static al_status write_asset(work *w, al_error *error)
     data.density = density;
     data.blockers = blockers;
     status = al_translucent_write(w->path, &data, &bytes, error);
-    add_step(w, "write", al_program_seconds() - started, bytes, w->samples.count);
+    al_steps_add(w->steps, "write", started, bytes, w->samples.count);
 cleanup:
     free(density);
     free(blockers);

@@ -4,39 +4,11 @@
 
 #include <xxhash.h>
 
-#include "airlight/program.h"
+#include "bake_step.h"
 #include "device.h"
-#include "import.h"
 
-enum { AL_STEP_LIMIT = 16 };
-
-typedef struct al_step { /* what report.json says of a step */
-    const char *name;
-    double seconds;
-    uint64_t bytes_written, items;
-} al_step;
-
-typedef struct al_steps {
-    al_step steps[AL_STEP_LIMIT];
-    unsigned count;
-} al_steps;
-
-typedef struct al_bake_options {
-    const al_program *program;
-    const char *folder;
-    unsigned threads;
-    size_t memory_limit; /* bytes for the sweep's fields */
-} al_bake_options;
-
-/* Name of the asset's file in the folder, at most `size` (160 are enough) bytes with its terminator. Names
- * that differ give files that differ: where the object's own cannot stand in a file name, its hash is added.
- */
+/* Name of the asset's file in the folder, as al_asset_file. */
 void al_bake_object_file(const al_translucent_object *object, char *name, size_t size);
-
-/* NAME.KIND.air, made safe in the same way. */
-void al_asset_file(const char *name, const char *kind, char *file, size_t size);
-/* The same for the one asset of a kind that a scene has: named after the scene file. */
-void al_scene_asset_file(const al_import *import, const char *kind, char *file, size_t size);
 
 /* Adds what a density depends on, the contents of its file included. */
 void al_hash_density(XXH64_state_t *state, const al_import *import, const al_density_description *density);

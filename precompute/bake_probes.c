@@ -1,7 +1,6 @@
 #include "bake_probes.h"
 
 #include <math.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,10 +8,8 @@
 #include <xxhash.h>
 
 #include "airlight/probes.h"
-#include "gather.h"
-#include "journal.h"
+#include "gather_job.h"
 #include "light_key.h"
-#include "parallel.h"
 #include "place_probes.h"
 #include "tetrahedra.h"
 
@@ -22,8 +19,6 @@ static const uint32_t bake_version = 1;
 /* A probe that sees more backs of surfaces than this is inside a wall, or on it, where it sees half of them.
  * Outside, backs are seen only where meshes are open. */
 static const float inside_share = 0.25f;
-
-enum { THREAD_LIMIT = 256 };
 
 typedef struct probe_work {
     const al_import *import;
@@ -35,12 +30,6 @@ typedef struct probe_work {
     al_probe_places places;
     size_t set;     /* floats of a probe: [layer][channel][order^2] */
     float *results; /* [places.count][set + 1]: coefficients, then the share of backs */
-    bool *done;
-    al_gather *gather;
-    al_gather_scratch *scratch[THREAD_LIMIT];
-    al_journal *journal;
-    al_progress progress;
-    atomic_uint finished;
     /* of the probes that stay */
     uint32_t kept;
     double *kept_points;
@@ -67,36 +56,7 @@ al_status al_bake_probes_key(const al_import *import, uint64_t tables_key, uint6
     return status;
 }
 
-static void add_step(probe_work *w, const char *name, double started, uint64_t bytes, uint64_t items)
-{
-    if (w->steps->count < AL_STEP_LIMIT)
-        w->steps->steps[w->steps->count++] = (al_step){name, al_program_seconds() - started, bytes, items};
-}
-
 /* --- gather --- */
-
-static bool on_gather_progress(void *user, double done, double total)
-{
-    return al_progress_update(user, done, total);
-}
-
-static al_status open_gather(probe_work *w, const al_impulse_tables *tables, al_error *error)
-{
-    const al_lightmap_settings *l = &w->import->description->lightmap;
-    const al_gather_options options = {.samples = w->settings->samples,
-                                       .bounces = l->bounces,
-                                       .fog = w->import->scene.fog_count > 0,
-                                       .walls = l->walls,
-                                       .sh_order = w->settings->order,
-                                       .threads = w->options->threads,
-                                       .seed = l->seed,
-                                       .on_progress = on_gather_progress,
-                                       .user = &w->progress};
-    al_progress_begin(&w->progress, w->options->program, "light in the scene");
-    al_status status = al_gather_open(w->import, tables, &options, &w->gather, error);
-    if (status == AL_OK) al_progress_end(&w->progress);
-    return status;
-}
 
 /* A probe whose light is not finite counts as one inside a wall. */
 static void keep_result(const probe_work *w, const al_gathered *g, float *out)
@@ -114,47 +74,39 @@ static void keep_result(const probe_work *w, const al_gathered *g, float *out)
     *at = finite ? (float)g->back_share : 1;
 }
 
-static bool gather_probe(void *user, unsigned index, unsigned thread)
+static bool gather_probe(void *user, const al_gather *gather, al_gather_scratch *scratch, uint32_t index,
+                         float *out)
 {
-    probe_work *w = user;
-    al_gathered gathered;
+    const probe_work *w = user;
     const uint32_t place[] = {w->import->description->lightmap.seed, index};
-    if (w->done[index]) return true;
-    if (al_program_cancelled() || !al_gather_point(w->gather, w->scratch[thread], w->places.points[index],
-                                                   NULL, 0, XXH64(place, sizeof place, 0), &gathered))
+    al_gathered gathered;
+    if (!al_gather_point(gather, scratch, w->places.points[index], NULL, 0, XXH64(place, sizeof place, 0),
+                         &gathered))
         return false;
-    keep_result(w, &gathered, w->results + index * (w->set + 1));
-    if (!al_journal_append(w->journal, index)) return false;
-    unsigned finished = atomic_fetch_add(&w->finished, 1) + 1;
-    if (thread == 0) al_progress_update(&w->progress, finished, w->places.count);
+    keep_result(w, &gathered, out);
     return true;
 }
 
-static al_status gather_probes(probe_work *w, al_error *error)
+/* What lamps send straight to a probe is left out: the player adds it, with shadows. */
+static al_status gather_probes(probe_work *w, const al_impulse_tables *tables, al_error *error)
 {
-    double started = al_program_seconds();
-    unsigned threads = al_parallel_threads(w->options->threads), left = 0;
-    w->results = calloc(w->places.count, (w->set + 1) * sizeof *w->results);
-    w->done = calloc(w->places.count, sizeof *w->done);
-    bool memory = w->results && w->done;
-    for (unsigned i = 0; i < threads && memory; i++)
-        memory = (w->scratch[i] = al_gather_scratch_new(w->gather)) != NULL;
-    if (!memory) return al_fail(error, AL_IO, "%s: out of memory for %u probes", w->path, w->places.count);
-    al_status status = al_journal_open(w->partial_path, w->key, w->results, (w->set + 1) * sizeof *w->results,
-                                       w->done, w->places.count, &w->journal, error);
-    if (status != AL_OK) return status;
-    for (uint32_t i = 0; i < w->places.count; i++) left += !w->done[i];
-    atomic_init(&w->finished, w->places.count - left);
-    al_progress_begin(&w->progress, w->options->program, "probes");
-    bool whole = al_parallel(w->options->threads, w->places.count, gather_probe, w);
-    status = al_journal_close(w->journal, error);
-    if (status != AL_OK) return status;
-    if (al_program_cancelled())
-        return al_fail(error, AL_CANCELLED, "stopped; the same command goes on from here");
-    if (!whole) return al_fail(error, AL_IO, "%s: out of memory while gathering light", w->path);
-    al_progress_end(&w->progress);
-    add_step(w, "probes", started, 0, w->places.count);
-    return AL_OK;
+    const al_lightmap_settings *l = &w->import->description->lightmap;
+    const al_gather_job job = {.name = "probes",
+                               .partial = w->partial_path,
+                               .key = w->key,
+                               .gather = {.samples = w->settings->samples,
+                                          .bounces = l->bounces,
+                                          .fog = w->import->scene.fog_count > 0,
+                                          .walls = l->walls,
+                                          .sh_order = w->settings->order,
+                                          .lamps_apart = true,
+                                          .seed = l->seed},
+                               .piece_count = w->places.count,
+                               .items = w->places.count,
+                               .piece_floats = w->set + 1,
+                               .fill = gather_probe,
+                               .user = w};
+    return al_gather_job_run(&job, w->import, tables, w->options, w->steps, &w->results, error);
 }
 
 /* --- leave out, join, write --- */
@@ -253,7 +205,7 @@ static al_status write_asset(probe_work *w, const al_tetrahedra *mesh, uint32_t 
                            w->coefficients,
                            provenance};
     al_status status = al_probes_write(w->path, &data, &bytes, error);
-    if (status == AL_OK) add_step(w, "write probes", started, bytes, w->kept);
+    if (status == AL_OK) al_steps_add(w->steps, "write probes", started, bytes, w->kept);
     return status;
 }
 
@@ -269,7 +221,7 @@ static al_status join_and_write(probe_work *w, al_error *error)
         status = al_tetrahedralise("probes", &points, &mesh, error);
         if (status == AL_BAD_INPUT) status = AL_OK;
         if (status == AL_OK) count = drop_flat(w, &mesh);
-        add_step(w, "tetrahedra of probes", started, 0, count);
+        al_steps_add(w->steps, "tetrahedra of probes", started, 0, count);
     }
     if (status == AL_OK) status = write_asset(w, &mesh, count, error);
     al_tetrahedra_free(&mesh);
@@ -290,17 +242,13 @@ al_status al_bake_probes(const al_import *import, uint64_t key, const al_impulse
     snprintf(w->path, sizeof w->path, "%s/%s", options->folder, import->scene.baked.probes);
     snprintf(w->partial_path, sizeof w->partial_path, "%s.partial", w->path);
     al_status status = al_probe_places_make(import, &w->places, error);
-    if (status == AL_OK) status = open_gather(w, tables, error);
-    if (status == AL_OK) status = gather_probes(w, error);
+    if (status == AL_OK) status = gather_probes(w, tables, error);
     if (status == AL_OK) status = keep_probes(w, error);
     if (status == AL_OK) status = join_and_write(w, error);
     if (status == AL_OK) unlink(w->partial_path);
 
-    for (unsigned i = 0; i < THREAD_LIMIT; i++) al_gather_scratch_free(w->scratch[i]);
-    al_gather_close(w->gather);
     al_probe_places_free(&w->places);
     free(w->results);
-    free(w->done);
     free(w->kept_points);
     free(w->positions);
     free(w->coefficients);

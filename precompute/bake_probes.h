@@ -4,7 +4,7 @@
 #define AIRLIGHT_BAKE_PROBES_H
 
 #include "airlight/impulse_tables.h"
-#include "bake_object.h"
+#include "bake_step.h"
 
 /* Name of the asset's file in the folder, from the scene file's name. */
 void al_bake_probes_file(const al_import *import, char *name, size_t size);

@@ -141,8 +141,10 @@ static void add_lights(summing *s, al_sequence *sequence, double weight)
             through[c] = plain[c] * straight.transmittance[c];
         }
         fill_basis(s, light->direction, basis);
-        add(s, AL_GATHER_SURFACE, light->direction, basis, plain);
-        add(s, AL_GATHER_ATTENUATED, light->direction, basis, through);
+        if (kind != AL_LIGHT_KIND_LAMP || !s->gather->options.lamps_apart) {
+            add(s, AL_GATHER_SURFACE, light->direction, basis, plain);
+            add(s, AL_GATHER_ATTENUATED, light->direction, basis, through);
+        }
         if (!s->gather->responds) continue;
         al_gather_source source = al_gather_source_of_light(light, &straight.fog);
         add_response(s, &source, power);

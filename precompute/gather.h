@@ -23,6 +23,7 @@ typedef struct al_gather_options {
     bool back_scatter; /* published walls: gather over the whole sphere, the receiver shifted */
     double back_scatter_shift_m; /* along its normal; 0: 0.125 of the texel's edge */
     uint32_t sh_order;           /* bands of incident radiance, 0 (none) to 8 */
+    bool lamps_apart; /* leave out what point and directional lights send straight to the point */
     unsigned threads;            /* of al_gather_open; 0: one per core */
     uint32_t seed;               /* of al_gather_open */
     /* Bounded and traced walls: points in the fog along the longest edge of their box; 0: 16. */

@@ -395,10 +395,8 @@ static al_status write_tables(const char *path, work *w, uint64_t key, uint64_t 
 
 static void finish_step(al_steps *steps, const char *name, double *started, uint64_t bytes, uint64_t items)
 {
-    double now = al_program_seconds();
-    if (steps->count < AL_STEP_LIMIT)
-        steps->steps[steps->count++] = (al_step){name, now - *started, bytes, items};
-    *started = now;
+    al_steps_add(steps, name, *started, bytes, items);
+    *started = al_program_seconds();
 }
 
 static al_status make_all(work *w, const char *path, uint64_t key, al_steps *steps, al_error *error)
