@@ -75,11 +75,27 @@ static void fog_bounds(const al_fog_media *fog, double low[3], double high[3])
         }
 }
 
+/* Of the surfaces and, for fog glows around them, of the point lamps, but at most a diagonal away. */
+static void lit_bounds(const al_gather *gather, double low[3], double high[3])
+{
+    const al_scene *scene = gather->lights.scene;
+    double diagonal = 0, least[3], most[3];
+    al_ray_scene_bounds(gather->rays, low, high);
+    for (int k = 0; k < 3; k++) diagonal += (high[k] - low[k]) * (high[k] - low[k]);
+    for (int k = 0; k < 3; k++) least[k] = low[k] - sqrt(diagonal), most[k] = high[k] + sqrt(diagonal);
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        for (int k = 0; k < 3 && scene->lights[i].type == AL_LIGHT_POINT; k++) {
+            double at = fmin(fmax(scene->lights[i].vector[k], least[k]), most[k]);
+            low[k] = fmin(low[k], at);
+            high[k] = fmax(high[k], at);
+        }
+}
+
 static void place_lattice(al_fog_points *points)
 {
     const al_gather *gather = points->gather;
     double low[3], high[3], diagonal = 0, longest = 0, size[3];
-    al_ray_scene_bounds(gather->rays, points->low, high);
+    lit_bounds(gather, points->low, high);
     for (int k = 0; k < 3; k++) diagonal += (high[k] - points->low[k]) * (high[k] - points->low[k]);
     double margin_m = margin_share * sqrt(diagonal), fog_high[3];
     fog_bounds(&gather->fog, low, fog_high);
