@@ -14,8 +14,8 @@
 #include "point_grid.h"
 #include "sample.h"
 
-static const double width = 0.6, reach = 2.5;
-enum { NEIGHBOURS = 6, POINTS_PER_SAMPLE = 4, POINTS_AT_LEAST = 4096, ITERATIONS = 10, BLOCK = 256 };
+static const double width = 0.55, reach = 2.5;
+enum { NEIGHBOURS = 6, POINTS_PER_SAMPLE = 12, POINTS_AT_LEAST = 4096, ITERATIONS = 12, BLOCK = 256 };
 
 typedef struct blend {
     al_samples *samples;

@@ -7,12 +7,20 @@
 // as far as the object is seen from one direction).
 //
 // Marched view leg: the result is albedo_c J_c; the interval map brings extinction and the transmittance to
-// the eye. Beside it goes its relative slope: along the direction w to its light psi(x, w) grows by
-// sigma_t(x) psi per metre, exactly, so that to first order J(x) = J(b) exp(s.(x - b)) with s = sum of
-// sigma_t J_light w / J. (What psi does across w depends on where the light enters and is not known here; nor
-// is the environment's slope.) AL_VIEW_SH, as published: sigma_s,c at the sample times psi_c(towards the eye)
-// times J_c, 1/m. Beside it what the reference transmittance loses there, 1/m: the mean over the channels that
-// have extinction of sigma_t,c psi_c(towards the eye).
+// the eye. Beside it goes its relative slope: to first order J(x) = J(b) exp(s.(x - b)) with s = sum of
+// J_light grad psi / psi over J. Along the direction w to its light psi(x, w) grows by sigma_t(x) psi per metre,
+// in any medium. Across w it grows as the way to the boundary gets shorter: below a flat boundary with the outward
+// normal n, tau(x, w) = sigma_t depth / mu with mu = n.w, hence
+//   grad psi / psi = sigma_t n / mu = sigma_t (w + (n - mu w) / mu).
+// n is guessed from band 1 of psi: m = mean of w psi over mean of psi points to the nearest boundary, from where
+// most light comes. Below a flat boundary |m| = E3(tau) / E2(tau) >= 1/2 (exponential integrals of the depth); deep
+// inside, or where little is lost at all, it is near 0 and says nothing: the part across w is weighted by
+// min(2 |m|, 1). Where the light grazes the boundary or comes from behind, its way ends elsewhere: 1 / mu becomes
+// mu / 0.3^2 below 0.3 and 0 below 0. (The slope of the environment's light is taken as 0.)
+//
+// AL_VIEW_SH, as published: sigma_s,c at the sample times psi_c(towards the eye) times J_c, 1/m. Beside it what
+// the reference transmittance loses there, 1/m: the mean over the channels that have extinction of sigma_t,c
+// psi_c(towards the eye).
 //
 // AL_ORDER, AL_BAKED_ORDER: bands used and bands stored. AL_CHANNELS: 1 or 3 sets of coefficients.
 // AL_FORMAT: 0 float32, 1 binary16, 2 int8 with a scale per sample and set.
@@ -81,6 +89,29 @@ vec3 transmittance(vec3 direction)
     return clamp(sum, 0.0, 1.0);
 }
 
+// m of the slope: band 0 over sqrt(4 pi) is the mean of psi, band 1 over sqrt(12 pi) that of w psi.
+vec3 brightest()
+{
+    vec3 first = vec3(0.0);
+    float zeroth = 0.0;
+#if AL_ORDER > 1
+    for (int set = 0; set < AL_CHANNELS * AL_ORDER * AL_ORDER; set += AL_ORDER * AL_ORDER) {
+        first += vec3(psi[set + 3], psi[set + 1], psi[set + 2]);
+        zeroth += psi[set];
+    }
+#endif
+    return zeroth > 0.0 ? first / (sqrt(3.0) * zeroth) : vec3(0.0);
+}
+
+// grad psi / psi over sigma_t, towards a light in direction w.
+vec3 relative_gradient(vec3 m, vec3 w)
+{
+    float size = length(m);
+    vec3 n = m / max(size, 1e-6);
+    float mu = dot(n, w);
+    return w + min(2.0 * size, 1.0) * max(mu, 0.0) / max(mu * mu, 0.09) * (n - mu * w);
+}
+
 vec3 environment_light()
 {
     vec3 sum = vec3(0.0);
@@ -102,6 +133,7 @@ void main()
     vec3 eye_way = to_eye(world);
     vec4 gaussian = gaussians[index];
     load_psi(index);
+    vec3 m = brightest();
     vec3 sum = vec3(0.0), slope = vec3(0.0);
     for (int i = 0; i < counts.x; i++) {
         vec3 direction;
@@ -119,7 +151,7 @@ void main()
             arriving *= opaque_visibility(i, world, vec3(0.0)) *
                         translucent_visibility(world, direction, reach, sizes.z);
         sum += arriving;
-        slope += dot(arriving, ratio.rgb) * own;
+        slope += dot(arriving, ratio.rgb) * relative_gradient(m, own);
     }
     if (toggles.w != 0) sum += environment_light();
 #ifdef AL_VIEW_SH
