@@ -256,6 +256,7 @@ typedef struct building {
     uint32_t samples;
     double done, total; /* pieces of work of all passes, about */
     bool cancelled;
+    bool grows; /* the light of the points never settles */
 } building;
 
 /* Counts a piece; only the caller's thread asks whether to stop. */
@@ -486,6 +487,7 @@ static bool iterate(building *b)
             double moved = all_change(points, points->sh, b->next, c), ratio = moved / before[c];
             double to_come = ratio < 1 ? moved * ratio / (1 - ratio) : INFINITY;
             moving = moving || (moved > 0 && to_come > converged_share * all_light(points, b->next, c));
+            b->grows = b->grows || !isfinite(moved) || (i + 1 == ITERATION_LIMIT && ratio >= 1 && moved > 0);
             before[c] = moved;
         }
         memcpy(points->sh, b->next, sizeof(float) * numbers);
@@ -627,6 +629,18 @@ static al_status check_depth(const building *b, al_error *error)
         b->gather->path, max_size(b->points), depth, depth_limit);
 }
 
+/* The few bands of a narrow lobe swing below 0; what is cut off there is light gained, and without absorption
+ * nothing takes it away. */
+static al_status check_growth(const building *b, al_error *error)
+{
+    if (!b->grows) return AL_OK;
+    return al_fail(
+        error, AL_BAD_INPUT,
+        "%s: lightmap.walls: the fog's light does not settle between %u points: hardly anything absorbs and "
+        "g is up to %g; more absorption or g nearer to 0 is right, or walls \"published\"",
+        b->gather->path, b->points->count, b->gather->fog.g_limit);
+}
+
 al_status al_fog_points_create(al_gather *gather, al_error *error)
 {
     unsigned threads = al_parallel_threads(gather->options.threads);
@@ -642,6 +656,7 @@ al_status al_fog_points_create(al_gather *gather, al_error *error)
     bool done = allocate(&b, threads) && find_air(&b);
     al_status status = done ? check_depth(&b, error) : AL_OK;
     done = done && (status || build(&b));
+    if (done && !status) status = check_growth(&b, error);
     free_building(&b, threads);
     if (done) return status;
     if (b.cancelled) return al_fail(error, AL_CANCELLED, "cancelled while spreading light in the fog");

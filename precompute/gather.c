@@ -171,10 +171,10 @@ static bool add_path(summing *s, al_sequence *sequence, double weight)
     if (!(way.density_per_sr > 0)) return true;
     al_gather_origin(&s->vertex, way.ray.direction, way.ray.origin);
     const double *normal = s->vertex.normal;
-    bool behind = s->vertex.looks_back && normal[0] * way.ray.direction[0] +
-                                                  normal[1] * way.ray.direction[1] +
-                                                  normal[2] * way.ray.direction[2] <
-                                              0;
+    bool behind = !s->vertex.in_air && normal[0] * way.ray.direction[0] + normal[1] * way.ray.direction[1] +
+                                               normal[2] * way.ray.direction[2] <=
+                                           0;
+    if (behind && !s->vertex.looks_back) return true;
     double share = weight / way.density_per_sr, carried[3] = {share, share, share};
     if (!al_gather_follow(s->gather, s->scratch, s->gather->options.bounces, carried, 1, sequence, &way))
         return false;
@@ -209,6 +209,7 @@ bool al_gather_point(const al_gather *gather, al_gather_scratch *scratch, const 
         s.vertex.normal[k] = normal ? normal[k] : 0;
         s.vertex.position[k] = position[k] + (s.vertex.looks_back ? shift_m * normal[k] : 0);
     }
+    al_gather_find_glow(gather, &s.vertex);
     uint32_t samples = gather->options.samples ? gather->options.samples : 1;
     for (uint32_t i = 0; i < samples; i++) {
         al_sequence sequence = {.index = i, .seed = al_mix_bits(seed + 1)};

@@ -39,10 +39,11 @@ static void make_axes(const double n[3], double a[3], double b[3])
     b[0] = r, b[1] = sign + n[1] * n[1] * q, b[2] = -n[1];
 }
 
-static const double even_share = 0.1, back_share = 0.25;
+static const double even_share = 0.1, back_share = 0.25, glow_share = 0.25;
+static const double glow_least = 1e-4; /* radians: no ray is drawn through the lamp itself */
 static const double back_least = 1e-3; /* cosines behind reach from here to 1 */
 
-double al_gather_density(const al_gather_vertex *vertex, const double direction[3])
+static double density_without_glow(const al_gather_vertex *vertex, const double direction[3])
 {
     if (vertex->in_air) return 1 / (4 * AL_PI);
     double cosine = dot(vertex->normal, direction), even = vertex->asks ? even_share : 0;
@@ -50,6 +51,25 @@ double al_gather_density(const al_gather_vertex *vertex, const double direction[
     if (cosine > 0) return front * ((1 - even) * cosine / AL_PI + even / (2 * AL_PI));
     return vertex->looks_back && cosine <= -back_least ? back_share / (2 * AL_PI * -cosine * -log(back_least))
                                                        : 0;
+}
+
+/* The glow of a lamp in fog goes like one over the ray's distance from it, so like 1/sin of the angle theta
+ * to the lamp: theta is drawn evenly between glow_least and pi, per steradian 1/(2 pi (pi - glow_least) sin
+ * theta). */
+static double glow_density(const al_gather_vertex *vertex, const double direction[3])
+{
+    double cosine = dot(vertex->lamp, direction), square = 0;
+    for (int k = 0; k < 3; k++) square += pow(direction[k] - cosine * vertex->lamp[k], 2);
+    double sine = sqrt(square); /* exact near the lamp, where 1 - cosine^2 is not */
+    if (cosine > 0 && sine < glow_least) return 0;
+    return 1 / (2 * AL_PI * (AL_PI - glow_least) * fmax(sine, 1e-9));
+}
+
+double al_gather_density(const al_gather_vertex *vertex, const double direction[3])
+{
+    double density = density_without_glow(vertex, direction);
+    if (!vertex->glows) return density;
+    return (1 - glow_share) * density + glow_share * glow_density(vertex, direction);
 }
 
 /* The cosine to the normal: for all ways one number is enough, its range is dealt out and stretched. In
@@ -70,11 +90,14 @@ static double draw_cosine(const al_gather_vertex *vertex, double u)
 void al_gather_draw(const al_gather_vertex *vertex, const double u[2], double direction[3],
                     double *density_per_sr)
 {
-    double a[3] = {1, 0, 0}, b[3] = {0, 1, 0}, up[3] = {0, 0, 1}, cosine = 1 - 2 * u[0];
-    if (!vertex->in_air) {
-        make_axes(vertex->normal, a, b);
-        for (int k = 0; k < 3; k++) up[k] = vertex->normal[k];
-        cosine = draw_cosine(vertex, u[0]);
+    double a[3] = {1, 0, 0}, b[3] = {0, 1, 0}, up[3] = {0, 0, 1};
+    double along = vertex->glows ? (u[0] - glow_share) / (1 - glow_share) : u[0], cosine = 1 - 2 * along;
+    const double *axis = along < 0 ? vertex->lamp : vertex->in_air ? NULL : vertex->normal;
+    if (axis) {
+        make_axes(axis, a, b);
+        for (int k = 0; k < 3; k++) up[k] = axis[k];
+        cosine = along < 0 ? cos(glow_least + (AL_PI - glow_least) * u[0] / glow_share)
+                           : draw_cosine(vertex, along);
     }
     double sine = sqrt(fmax(0, 1 - cosine * cosine)), x = sine * cos(2 * AL_PI * u[1]),
            y = sine * sin(2 * AL_PI * u[1]);
@@ -90,6 +113,27 @@ al_gather_vertex al_gather_vertex_of(const al_surface_hit *hit)
         vertex.normal[k] = hit->front ? hit->normal[k] : -hit->normal[k];
     }
     return vertex;
+}
+
+void al_gather_find_glow(const al_gather *gather, al_gather_vertex *vertex)
+{
+    const al_scene *scene = gather->lights.scene;
+    double brightest = 0;
+    for (uint32_t i = 0; gather->points && i < scene->light_count; i++) {
+        const al_light *light = &scene->lights[i];
+        double to[3], square = 0;
+        if (light->type != AL_LIGHT_POINT) continue;
+        for (int k = 0; k < 3; k++) {
+            to[k] = light->vector[k] - vertex->position[k];
+            square += to[k] * to[k];
+        }
+        double glow =
+            ((double)light->intensity[0] + light->intensity[1] + light->intensity[2]) / sqrt(square);
+        if (!(glow > brightest) || isinf(glow)) continue;
+        brightest = glow;
+        vertex->glows = true;
+        for (int k = 0; k < 3; k++) vertex->lamp[k] = to[k] / sqrt(square);
+    }
 }
 
 /* --- lights --- */
@@ -163,7 +207,9 @@ static bool estimate(const al_gather *gather, al_gather_scratch *scratch, const 
     al_gather_draw(vertex, u, way.ray.direction, &way.density_per_sr);
     if (!(way.density_per_sr > 0)) return true;
     al_gather_origin(vertex, way.ray.direction, way.ray.origin);
-    double arrives = vertex->asks ? dot(vertex->normal, way.ray.direction) / way.density_per_sr : AL_PI;
+    double cosine = dot(vertex->normal, way.ray.direction);
+    if (cosine <= 0) return true;
+    double arrives = cosine / way.density_per_sr;
     for (int c = 0; c < 3; c++) ahead[c] = arrives * carried[c];
     way.asks = vertex->asks;
     way.places = AL_GATHER_LATER_PLACES;
@@ -219,6 +265,7 @@ static bool add_reflection(const al_gather *gather, al_gather_scratch *scratch, 
         ahead[k] = carried[k] * reflected[k];
     }
     vertex.asks = gather->responds;
+    al_gather_find_glow(gather, &vertex);
     if (!estimate(gather, scratch, &vertex, bounces - 1, ahead, importance / survival, sequence, irradiance))
         return false;
     for (int layer = 0; layer < AL_GATHER_LAYER_COUNT; layer++)

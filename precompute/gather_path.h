@@ -45,12 +45,16 @@ bool al_gather_look(const al_gather *gather, al_gather_scratch *scratch, const a
 /* The side of a surface that a ray met. */
 al_gather_vertex al_gather_vertex_of(const al_surface_hit *hit);
 
+/* Where the fog scatters by points: lets directions be drawn about the point lamp that glows brightest there,
+ * by its intensity over the distance. */
+void al_gather_find_glow(const al_gather *gather, al_gather_vertex *vertex);
+
 /* Where rays from the vertex along `direction` begin. */
 void al_gather_origin(const al_gather_vertex *vertex, const double direction[3], double origin[3]);
 
 /* How directions are drawn at a vertex: in proportion to the cosine, or evenly in the air. Where responses
  * are asked a tenth is even over the hemisphere, and for back-scatter a quarter goes behind, in proportion to
- * 1/cosine there. */
+ * 1/cosine there. Where a lamp glows in fog a quarter goes about it, some of it below the surface. */
 void al_gather_draw(const al_gather_vertex *vertex, const double u[2], double direction[3],
                     double *density_per_sr);
 double al_gather_density(const al_gather_vertex *vertex, const double direction[3]);

@@ -33,6 +33,8 @@ typedef struct al_gather_vertex {
     bool in_air;     /* there is no normal; light from everywhere counts */
     bool asks;       /* published walls: responses of the fog count */
     bool looks_back; /* directions behind it are drawn too, for back-scatter */
+    bool glows;      /* fog scatters a point lamp's light to it: directions about `lamp` are drawn too */
+    double lamp[3];  /* unit, towards that lamp */
 } al_gather_vertex;
 
 /* By layer and channel, but the third is everything: attenuated + scattered. */
