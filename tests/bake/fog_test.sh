@@ -49,6 +49,13 @@ grep -q '"sigma_s_per_m": \[2.0, 2.0, 2.0\]' "$work/stdout" || wrong "another me
 run 0 "$bin/airlight-bake" "$work/fog.json" --plan
 grep -A1 '"step": "medium"' "$work/stdout" | grep -q '"needed": true' || wrong "the plan leaves the medium out"
 
+# Negative coefficients.
+cp "$work/fog.json" "$work/kept.json"
+scene -1 0.5
+fails 3 'media[0].sigma_s_per_m: is -1; a number or a list of 3 numbers from 0' "$bin/airlight-bake" "$work/fog.json" -o "$work/negative"
+empty "$work/negative"
+mv "$work/kept.json" "$work/fog.json"
+
 # A grid beyond the memory that was allowed: one line that says what to do.
 sed -i 's/"thickness_m": 0.25/"thickness_m": 0.02/' "$work/fog.json"
 run 3 "$bin/airlight-bake" "$work/fog.json" -o "$work/fog" --memory-limit 16

@@ -142,6 +142,31 @@ printf 'v 0 3 0\nv 1 3 0\nv 2 3 0\nf 1 2 3\n' >"$work/line.obj"
 sed -e 's/"meshes": \[/"meshes": [{"name": "line", "file": "line.obj", "material": "hot"},/' \
     -e 's/"materials": \[/"materials": [{"name": "hot", "emission_w_m2_sr": 5},/' "$work/room.json" >"$work/flat.json"
 fails 3 'has no area and cannot emit as its material "hot" says' "$bin/airlight-bake" "$work/flat.json" -o "$work/wrong"
+# Second UV sets of a file: a square whose triangles overlap there, or one of whose triangles has no area.
+square() {
+    cat >"$work/square.gltf" <<GLTF
+{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+ "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1, "TEXCOORD_1": 1}, "indices": 2}]}],
+ "buffers": [{"byteLength": 92, "uri": "data:application/octet-stream;base64,$1"}],
+ "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 32},
+                 {"buffer": 0, "byteOffset": 80, "byteLength": 12}],
+ "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 0, 1]},
+               {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"},
+               {"bufferView": 2, "componentType": 5123, "count": 6, "type": "SCALAR"}]}
+GLTF
+    echo '{"meshes": [{"name": "square", "file": "square.gltf", "lighting": "lightmap"}],
+        "lightmap": {"texel_m": 0.1, "samples": 1, "bounces": 0, "uv": "'"$2"'"}}' >"$work/square.json"
+}
+overlapping=AAAAAAAAAAAAAAAAAAAAAAAAAAAAAIA/AACAPwAAAAAAAAAAAACAPwAAAAAAAIA/AAAAAAAAAAAAAAAAAACAPwAAgD8AAAAAAAAAAAAAAAAAAAEAAgACAAEAAwA=
+flat=AAAAAAAAAAAAAAAAAAAAAAAAAAAAAIA/AACAPwAAAAAAAAAAAACAPwAAAAAAAIA/AAAAAAAAAAAAAAAAAACAPwAAgD8AAAAAAAAAPwAAAD8AAAEAAgACAAEAAwA=
+square $overlapping file
+fails 3 'triangles 0 and 1 overlap in the second UV set' "$bin/airlight-bake" "$work/square.json" -o "$work/wrong"
+square $flat file
+fails 3 'triangle 1 has no area in the second UV set' "$bin/airlight-bake" "$work/square.json" -o "$work/wrong"
+for set in $overlapping $flat; do
+    square $set auto
+    run 0 "$bin/airlight-bake" "$work/square.json" -o "$work/auto"
+done
 rm -rf "$work/wrong"
 
 # One triangle, from a tenth of a millimetre to ten kilometres, and one in a single texel, under a sky of 1: pi, from
