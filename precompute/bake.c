@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 #include <xxhash.h>
 
 #include "airlight/program.h"
@@ -257,9 +258,8 @@ static al_status open_tables(bake *b, al_error *error)
     al_open_options options = {.kind = AL_KIND_IMPULSE_TABLES};
     if (!al_plan_needs_tables(b->import)) return AL_OK;
     snprintf(path, sizeof path, "%s/impulse-tables.air", b->arguments->folder);
-    uint64_t present;
     al_status status = AL_OK;
-    if (!asset_key(path, AL_KIND_IMPULSE_TABLES, &present)) status = make_tables(b, path, error);
+    if (access(path, F_OK) != 0) status = make_tables(b, path, error);
     if (status == AL_OK) status = al_file_open(path, &options, &b->tables_file, error);
     return status == AL_OK ? al_impulse_tables_read(b->tables_file, &b->tables, error) : status;
 }

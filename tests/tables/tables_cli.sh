@@ -85,6 +85,21 @@ run 0 "$bin/airlight-bake" "$work/bounded.json" -o "$work/bounded"
 [ ! -e "$work/bounded/impulse-tables.air" ] || wrong "tables that nobody needs"
 tr -d ' \n' <"$work/bounded/report.json" | grep -q '"step":"impulsetables","needed":false' || wrong "unneeded tables in the plan"
 
+# Tables that cannot be used are refused, not replaced: of a newer version, cut off.
+for damage in newer cut; do
+    rm -f "$work/foggy"/*.lightmap.air
+    cp "$work/foggy/impulse-tables.air" "$work/kept.air"
+    case $damage in
+    newer) printf '\002' | dd of="$work/foggy/impulse-tables.air" bs=1 seek=8 conv=notrunc 2>/dev/null ;;
+    cut) head -c 5000 "$work/kept.air" >"$work/foggy/impulse-tables.air" ;;
+    esac
+    sum=$(cksum <"$work/foggy/impulse-tables.air")
+    fails 3 "impulse-tables.air" "$bin/airlight-bake" "$work/foggy.json" -o "$work/foggy" --quiet
+    [ "$sum" = "$(cksum <"$work/foggy/impulse-tables.air")" ] || wrong "tables that are $damage were replaced"
+    [ ! -e "$work/foggy/foggy.lightmap.air" ] || wrong "a lightmap from tables that are $damage"
+    mv "$work/kept.air" "$work/foggy/impulse-tables.air"
+done
+
 # Answers.
 ask() {
     run 0 "$bin/airlight-inspect" "$default" --eval "$1"
