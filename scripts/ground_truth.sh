@@ -5,6 +5,7 @@
 samples=${1:-65536} pixel_samples=${2:-256}
 top=$(cd "$(dirname "$0")/.." && pwd)
 build=${AIRLIGHT_BUILD:-$top/build} shared=${AIRLIGHT_SHARED:-$top/../shared} failed=0
+[ -f "$shared/reference/room.obj" ] || { echo "SKIP: no reference data in $shared/reference"; exit 0; }
 mkdir -p "$build/ground_truth" && cd "$build/ground_truth" || exit 1
 for truth in "$shared"/reference/irradiance_*.csv "$shared"/reference/probes_*.csv "$shared"/reference/open_*.csv \
     "$shared"/reference/black_*.csv; do

@@ -3,7 +3,7 @@
  * Each probe holds incident radiance as real SH in world axes, W/(m2 sr), not convolved with anything, in the
  * layers of a lightmap (airlight/lightmap.h), but for what point and directional lights send straight to it: who
  * draws with them adds that himself, with shadows. Light in between is the barycentric mean of the four probes of
- * the tetrahedron around a point. Cupp 2012, "Light Probe Interpolation Using Tetrahedral Tessellations".
+ * the tetrahedron around a point. Cupisz 2012, "Light Probe Interpolation Using Tetrahedral Tessellations".
  * Thread safety and lifetime: as al_file; every pointer is valid until al_file_close. */
 #ifndef AIRLIGHT_PROBES_H
 #define AIRLIGHT_PROBES_H
