@@ -96,4 +96,44 @@ scene 1 '"sigma_s_per_m": -1, "sigma_a_per_m": 0' "$plain"
 refused "negative scattering" sigma_s_per_m
 scene 1 '"sigma_s_per_m": 1, "sigma_a_per_m": 0, "g": 1' "$plain"
 refused "g 1" g
+# Meshes: a box of 2 m, the same with triangles that have no area, and one triangle, which closes nothing.
+mesh() { # NAME, then lines of an .obj behind the box's corners
+    cat >"$work/$1.obj" <<'OBJ'
+v -1 -1 -1
+v 1 -1 -1
+v 1 1 -1
+v -1 1 -1
+v -1 -1 1
+v 1 -1 1
+v 1 1 1
+v -1 1 1
+OBJ
+    cat >>"$work/$1.obj"
+    cat >"$work/$1.json" <<SCENE
+{
+  "meshes": [{"name": "body", "file": "$1.obj"}],
+  "media": [{"name": "m", "sigma_s_per_m": 0.5}],
+  "translucents": [{"name": "object", "mesh": "body", "medium": "m"}],
+  "bake": {"directions": 128, "grid_resolution": 16, "samples": 500, "sh_order": 4}
+}
+SCENE
+}
+box='f 4 3 2 1
+f 5 6 7 8
+f 1 2 6 5
+f 3 4 8 7
+f 1 5 8 4
+f 2 3 7 6'
+echo "$box" | mesh box
+printf '%s\nf 1 1 2\nf 1 2 2\n' "$box" | mesh flat
+echo 'f 1 2 3' | mesh one
+for name in box flat; do
+    run 0 "$bin/airlight-bake" "$work/$name.json" -o "$work/$name" --quiet
+    run 0 "$bin/airlight-inspect" "$work/$name/object.translucent.air" --eval '{"position":[0,0,0],"direction":[0,0,1]}'
+    cp "$work/stdout" "$work/$name.answer"
+done
+cmp "$work/box.answer" "$work/flat.answer" || wrong "triangles without area change the answer"
+fails 3 "open edge" "$bin/airlight-bake" "$work/one.json" -o "$work/one" --quiet
+empty "$work/one"
+
 finish
