@@ -1,5 +1,6 @@
 /* The environment: its picture with mips, and its coefficients for surfaces and for each object's samples. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "airlight/formulas.h"
@@ -16,6 +17,28 @@ bool al_environment_exists(const al_environment *environment)
     return false;
 }
 
+/* The picture as halfs of radiance over a unit: the power of two that puts the brightest number into [2^14, 2^15).
+ * A sun of 1e6 W/(m2 sr) would overflow a half and a night of 1e-6 fall below the normal ones. */
+static al_status upload_pixels(al_runtime *runtime, const al_environment *environment, al_error *error)
+{
+    size_t row_count = 3 * (size_t)environment->width;
+    float largest = 0, *row = malloc(row_count * sizeof *row);
+    int exponent = 15;
+    if (!row) return al_fail(error, AL_IO, "no memory for a row of the environment");
+    for (size_t i = 0; i < row_count * environment->height; i++)
+        largest = fmaxf(largest, environment->pixels[i]);
+    if (largest > 0x1p-100f) frexpf(largest, &exponent);
+    runtime->environment_unit = ldexpf(1, exponent - 15);
+    for (uint32_t y = 0; y < environment->height; y++) {
+        for (size_t i = 0; i < row_count; i++)
+            row[i] = ldexpf(environment->pixels[y * row_count + i], 15 - exponent);
+        glTextureSubImage2D(runtime->environment.id, 0, 0, (GLint)y, (GLsizei)environment->width, 1, GL_RGB,
+                            GL_FLOAT, row);
+    }
+    free(row);
+    return AL_OK;
+}
+
 al_status al_environment_upload(al_runtime *runtime, al_error *error)
 {
     const al_environment *environment = &runtime->scene.environment;
@@ -25,9 +48,9 @@ al_status al_environment_upload(al_runtime *runtime, al_error *error)
     al_status status = al_gl_texture_create(&runtime->memory, GL_TEXTURE_2D, GL_RGBA16F, environment->width,
                                             environment->height, 1, levels, &runtime->environment, error);
     if (status) return status;
+    status = upload_pixels(runtime, environment, error);
+    if (status) return status;
     GLuint id = runtime->environment.id;
-    glTextureSubImage2D(id, 0, 0, 0, (GLsizei)environment->width, (GLsizei)environment->height, GL_RGB,
-                        GL_FLOAT, environment->pixels);
     glGenerateTextureMipmap(id);
     glTextureParameteri(id, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
     glTextureParameteri(id, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
@@ -42,6 +65,7 @@ void al_environment_fill(al_draw *draw)
     bool exists = al_environment_exists(&scene->environment);
     draw->block.counts[2] = draw->runtime->environment.id ? 2 : exists ? 1 : 0;
     draw->block.counts[3] = (int32_t)draw->runtime->environment_levels;
+    draw->block.background[3] = draw->runtime->environment_unit;
     for (int c = 0; c < 3; c++) {
         draw->block.background[c] = scene->play.background[c];
         for (int i = 0; i < AL_ENVIRONMENT_BANDS; i++)

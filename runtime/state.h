@@ -161,6 +161,7 @@ struct al_runtime {
     al_model model;
     al_gl_texture environment;
     uint32_t environment_levels;
+    float environment_unit; /* radiance of its texture's 1, W/(m2 sr) */
     al_object *objects; /* [scene.translucent_count] */
     uint32_t *sorted;   /* their indices, far to near, in the frame being drawn */
     al_fogs fogs;

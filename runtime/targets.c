@@ -27,7 +27,7 @@ static al_status fit_object_targets(al_draw *draw)
     for (uint32_t i = 0; i < draw->runtime->scene.translucent_count; i++)
         chromatic = chromatic || draw->runtime->objects[i].chromatic;
     al_status status = fit(draw, GL_TEXTURE_2D, GL_RGBA32F, 1, &t->boundary);
-    if (!status) status = fit(draw, GL_TEXTURE_2D, GL_RGBA16F, 1, &t->reflection);
+    if (!status) status = fit(draw, GL_TEXTURE_2D, GL_RGBA32F, 1, &t->reflection);
     if (!status) status = fit(draw, GL_TEXTURE_2D, GL_RGBA32F, 1, &t->ends);
     if (!status)
         status = fit(draw, GL_TEXTURE_2D_ARRAY, GL_RGBA32F,

@@ -27,7 +27,7 @@ vec3 environment_radiance(vec3 direction, float level)
     // First row +y; the middle column looks along -z, the first one along +z, the right quarter along +x.
     vec2 place = vec2(atan(direction.x, -direction.z) / (2.0 * AL_PI) + 0.5,
                       acos(clamp(direction.y, -1.0, 1.0)) / AL_PI);
-    return textureLod(environment_map, place, level).rgb;
+    return background.w * textureLod(environment_map, place, level).rgb;
 }
 
 #endif

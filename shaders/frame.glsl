@@ -30,7 +30,7 @@ layout(std140, binding = 0) uniform Frame {
     vec4 ray_origin, ray_origin_x, ray_origin_y, ray_direction, ray_direction_x, ray_direction_y;
     ivec4 tile;          // xy: where the tile's lower left pixel is in the view; zw: size of the view
     ivec4 counts;        // lights; casters; environment: 0 none, 1 coefficients only, 2 texture; its levels
-    vec4 background;     // rgb: radiance where there is no environment
+    vec4 background;     // rgb: radiance where there is no environment; w: radiance of the environment texture's 1
     vec4 environment[9]; // rgb: SH of incident radiance, world axes
     Light lights[AL_LIGHT_LIMIT];
     Caster casters[AL_CASTER_LIMIT];
