@@ -3,15 +3,22 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { STEPS_PER_VOXEL = 4, STEP_LIMIT = 1 << 20 };
+#include "geometry.h"
+
+enum { CELLS_PER_VOXEL = 4, LAYER_LIMIT = 1 << 20 };
+static const double cell_depth = 0.05, nothing_left = 50; /* optical depths: of a cell, where exp(-tau) is 2e-22 */
 
 al_march_medium al_march_medium_of(const al_import *import, uint32_t index)
 {
     const al_medium *from = &import->scene.media[index];
     al_march_medium medium = {.density = import->densities[index], .step_m = INFINITY, .g = from->g};
     medium.description = &import->description->media[index].density;
-    if (medium.description->type == AL_DENSITY_GRID)
-        medium.step_m = al_density_detail_m(medium.density) / STEPS_PER_VOXEL;
+    al_density_voxels voxels;
+    if (al_density_grid(medium.density, &voxels)) {
+        medium.step_m = al_density_detail_m(medium.density) / CELLS_PER_VOXEL;
+        al_matrix_invert(voxels.index_to_world, medium.to_index);
+        for (int k = 0; k < 3; k++) medium.size[k] = voxels.size[k];
+    }
     for (int c = 0; c < 3; c++) {
         medium.sigma_s_per_m[c] = from->sigma_s_per_m[c];
         medium.sigma_t_per_m[c] = (double)from->sigma_s_per_m[c] + from->sigma_a_per_m[c];
@@ -43,10 +50,77 @@ static bool clip(const al_march_medium *medium, const al_ray *ray, double *begin
     return *begin_m < *end_m;
 }
 
-static uint32_t step_count(const al_march_medium *medium, double length_m)
+/* --- grids --- */
+
+/* The planes at which a grid's density has a kink, in the order in which a ray meets them. Along each axis of
+ * index space plane 0 is the box's lower face at -1/2, planes 1 to size the voxel centres, plane size + 1 the upper
+ * face. */
+typedef struct plane_walk {
+    const uint32_t *size;
+    double from[3], slope[3]; /* index = from + distance * slope */
+    int64_t plane[3];         /* the next one of each axis */
+} plane_walk;
+
+static double plane_index(const plane_walk *w, int axis)
 {
-    return (uint32_t)fmin(ceil(fmax(length_m / medium->step_m, 1)), STEP_LIMIT);
+    int64_t plane = w->plane[axis];
+    return plane == 0 ? -0.5 : plane > w->size[axis] ? w->size[axis] - 0.5 : (double)plane - 1;
 }
+
+/* The next planes are the first beyond begin_m. */
+static plane_walk walk_planes(const al_march_medium *medium, const al_ray *ray, double begin_m)
+{
+    plane_walk w = {.size = medium->size};
+    double ahead[3];
+    al_matrix_point(medium->to_index, ray->origin, w.from);
+    for (int k = 0; k < 3; k++) ahead[k] = ray->origin[k] + ray->direction[k];
+    al_matrix_point(medium->to_index, ahead, w.slope);
+    for (int k = 0; k < 3; k++) {
+        w.slope[k] -= w.from[k];
+        double x = fmin(fmax(w.from[k] + begin_m * w.slope[k], -1), w.size[k]), last = w.size[k];
+        if (w.slope[k] > 0)
+            w.plane[k] = x < -0.5 ? 0 : x >= last - 0.5 ? (int64_t)last + 2 : (int64_t)floor(x) + 2;
+        else
+            w.plane[k] = x > last - 0.5 ? (int64_t)last + 1 : x <= -0.5 ? -1 : (int64_t)ceil(x);
+    }
+    return w;
+}
+
+/* The distance of the next plane, INFINITY behind the last; goes on to the one behind it. */
+static double next_plane(plane_walk *w)
+{
+    double nearest = INFINITY;
+    int first = 0;
+    for (int k = 0; k < 3; k++) {
+        if (w->slope[k] == 0 || w->plane[k] < 0 || w->plane[k] > (int64_t)w->size[k] + 1) continue;
+        double distance_m = (plane_index(w, k) - w->from[k]) / w->slope[k];
+        if (distance_m < nearest) nearest = distance_m, first = k;
+    }
+    if (nearest < INFINITY) w->plane[first] += w->slope[first] > 0 ? 1 : -1;
+    return nearest;
+}
+
+/* Between two planes: Gauss's rule of two points. */
+static double cubic_length(const al_march_medium *medium, const al_ray *ray, double begin_m, double end_m)
+{
+    double middle = 0.5 * (begin_m + end_m), off = 0.5 * (end_m - begin_m) / sqrt(3);
+    return 0.5 * (end_m - begin_m) *
+           (density_at(medium, ray, middle - off) + density_at(medium, ray, middle + off));
+}
+
+static double grid_length(const al_march_medium *medium, const al_ray *ray, double begin_m, double end_m)
+{
+    plane_walk walk = walk_planes(medium, ray, begin_m);
+    double sum = 0;
+    for (double at = begin_m; at < end_m;) {
+        double to = fmin(fmax(next_plane(&walk), at), end_m);
+        sum += cubic_length(medium, ray, at, to);
+        at = to;
+    }
+    return sum;
+}
+
+/* --- layers --- */
 
 /* In periods: the layers' phase at a distance along the ray, and its slope. */
 static double layer_phase(const al_density_description *from, const al_ray *ray, double distance_m,
@@ -78,10 +152,8 @@ double al_march_length(const al_march_medium *medium, const al_ray *ray, double 
 {
     if (!clip(medium, ray, &begin_m, &end_m)) return 0;
     if (medium->description->type == AL_DENSITY_LAYERS) return layers_length(medium, ray, begin_m, end_m);
-    uint32_t count = step_count(medium, end_m - begin_m);
-    double step = (end_m - begin_m) / count, sum = 0;
-    for (uint32_t i = 0; i < count; i++) sum += density_at(medium, ray, begin_m + (i + 0.5) * step);
-    return sum * step;
+    if (medium->size[0]) return grid_length(medium, ray, begin_m, end_m);
+    return (end_m - begin_m) * density_at(medium, ray, 0.5 * (begin_m + end_m));
 }
 
 /* --- cells --- */
@@ -126,11 +198,42 @@ static bool break_layers(const al_march_medium *medium, const al_ray *ray, doubl
     const al_density_description *from = medium->description;
     double slope, f = from->thickness_m / from->period_m;
     double a = layer_phase(from, ray, begin_m, &slope), b = layer_phase(from, ray, end_m, &slope);
-    if (fabs(b - a) < 1e-9 || fabs(b - a) > STEP_LIMIT) return true;
+    if (fabs(b - a) < 1e-9 || fabs(b - a) > LAYER_LIMIT) return true;
     for (double k = floor(fmin(a, b)); k <= ceil(fmax(a, b)); k++)
         if (!push_break(cells, begin_m + (k - a) / slope, begin_m, end_m) ||
             !push_break(cells, begin_m + (k + f - a) / slope, begin_m, end_m))
             return false;
+    return true;
+}
+
+/* Whether a piece of a grid holds too much for one cell, in a channel that has not died out before it. */
+static bool too_thick(const al_march_medium *medium, double before_m, double piece_m)
+{
+    for (int c = 0; c < 3; c++)
+        if (medium->sigma_t_per_m[c] * before_m < nothing_left &&
+            medium->sigma_t_per_m[c] * piece_m > cell_depth)
+            return true;
+    return false;
+}
+
+/* Pieces are halved until they are thin enough; the next one starts out twice as long. */
+static bool break_grid(const al_march_medium *medium, const al_ray *ray, double begin_m, double end_m,
+                       al_cells *cells)
+{
+    plane_walk walk = walk_planes(medium, ray, begin_m);
+    double plane = next_plane(&walk), step = medium->step_m, before = 0, shortest = 1e-14 * end_m;
+    for (double at = begin_m; at < end_m;) {
+        while (plane <= at) plane = next_plane(&walk);
+        double to = fmin(fmin(at + step, plane), end_m), piece = cubic_length(medium, ray, at, to);
+        if (to - at > shortest && too_thick(medium, before, piece)) {
+            step = 0.5 * (to - at);
+            continue;
+        }
+        if (to < end_m && !push(&cells->breaks, &cells->break_count, &cells->break_room, to)) return false;
+        step = fmin(2 * fmax(step, shortest), medium->step_m);
+        before += piece;
+        at = to;
+    }
     return true;
 }
 
@@ -142,10 +245,7 @@ static bool break_medium(const al_march_medium *medium, const al_ray *ray, doubl
     if (!clip(medium, ray, &first, &last)) return true;
     if (!push_break(cells, first, begin_m, end_m) || !push_break(cells, last, begin_m, end_m)) return false;
     if (medium->description->type == AL_DENSITY_LAYERS) return break_layers(medium, ray, first, last, cells);
-    uint32_t count = step_count(medium, last - first);
-    for (uint32_t i = 1; i < count; i++)
-        if (!push_break(cells, first + (last - first) * i / count, begin_m, end_m)) return false;
-    return true;
+    return !medium->size[0] || break_grid(medium, ray, first, last, cells);
 }
 
 static int compare_doubles(const void *a, const void *b)

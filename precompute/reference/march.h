@@ -1,8 +1,10 @@
 /* Media along rays: optical lengths, and the cells that single scattering is sampled from.
  *
- * Constant media and layers are integrated in closed form. A grid is marched with the midpoint rule in steps
- * of at most a quarter of a voxel: trilinear values are smooth within voxels, so the error falls with the
- * square of the step. World space, metres. */
+ * Constant media and layers are integrated in closed form. So are the optical lengths of grids: between the planes
+ * through voxel centres a trilinear density is a cubic along a ray, which Gauss's rule of two points integrates
+ * exactly. The cells of a grid are at most a quarter of a voxel long and, as far as light comes through, at most a
+ * twentieth of optical depth thick; their density is that of their middle, so the error falls with the square of their
+ * length. World space, metres. */
 #ifndef AIRLIGHT_MARCH_H
 #define AIRLIGHT_MARCH_H
 
@@ -11,7 +13,9 @@
 typedef struct al_march_medium {
     const al_density *density;
     const al_density_description *description;
-    double step_m;                                /* of a grid; INFINITY else */
+    double step_m;                                /* longest cell of a grid; INFINITY else */
+    uint32_t size[3];                             /* of a grid, voxels; 0 else */
+    double to_index[16];                          /* world to the grid's index space, voxel centres whole */
     double sigma_s_per_m[3], sigma_t_per_m[3], g; /* at density 1 */
 } al_march_medium;
 

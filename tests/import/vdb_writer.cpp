@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <vector>
 
 namespace
 {
@@ -56,4 +57,21 @@ void vdb_write(const char *path, const vdb_grid *grids, int count)
         std::fprintf(stderr, "%s: %s\n", path, problem.what());
         std::exit(1);
     }
+}
+
+void vdb_write_speck(const char *path, int count, double edge_m, float speck, float rest)
+{
+    const double voxel_m = edge_m / count;
+    std::vector<float> values(static_cast<size_t>(count) * count * count, rest);
+    values[values.size() / 2] = speck;
+    vdb_grid grid = {};
+    grid.name = "density";
+    grid.values = values.data();
+    for (int i = 0; i < 3; i++) {
+        grid.first[i] = -(count / 2);
+        grid.size[i] = count;
+        grid.index_to_world[5 * i] = voxel_m;
+    }
+    grid.index_to_world[15] = 1;
+    vdb_write(path, &grid, 1);
 }

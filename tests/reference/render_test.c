@@ -95,6 +95,39 @@ static void test_threads(const test_scene *scene)
     free_pictures(&one);
 }
 
+/* Pictures are linear in the lights: times a power of two equal to the last bit; times another number but for what
+ * the numbers in the scene and the picture's are rounded by, 2^-24 each. */
+static void test_strengths(void)
+{
+    static const double factors[] = {1, 0x1p-20, 0x1p20, 1e-6, 1e6};
+    pictures p[5];
+    for (int i = 0; i < 5; i++) {
+        char json[1024];
+        double f = factors[i];
+        snprintf(json, sizeof json,
+                 "{'meshes':[{'name':'box','shape':{'type':'box','size_m':1}}],"
+                 "'media':[{'name':'m','sigma_s_per_m':2}],"
+                 "'translucents':[{'name':'o','mesh':'box','medium':'m'}],"
+                 "'environment':{'radiance_w_m2_sr':%.17g},"
+                 "'lights':[{'type':'point','position_m':[0,2,1],'intensity_w_sr':%.17g},"
+                 "{'type':'directional','direction':[-1,0,0],'irradiance_w_m2':%.17g}],"
+                 "'cameras':[{'name':'c','position_m':[0,0,5],'target_m':[0,0,0],'fov_y_degrees':20}]}",
+                 f, f, f);
+        test_scene scene = open_scene(json);
+        CHECK(draw(&scene, (al_render_options){.width = 16, .height = 16, .samples = 4}, &p[i]) == AL_OK);
+        close_scene(&scene);
+        double bound = i < 3 ? 0 : 0x1p-22;
+        for (size_t k = 0; k < 16 * 16 * 3; k++) {
+            double wanted = f * p[0].image.pixels[k];
+            CHECK_NEAR(p[i].image.pixels[k], wanted, bound * wanted);
+        }
+        for (size_t k = 0; k < 16 * 16; k++)
+            CHECK_NEAR(p[i].error.pixels[k], f * p[0].error.pixels[k], bound * f * p[0].image.pixels[3 * k]);
+    }
+    CHECK(channel_sum(&p[0].image, 0, 0, 16, 16) > 0);
+    for (int i = 0; i < 5; i++) free_pictures(&p[i]);
+}
+
 static bool stop_at_once(void *user, double done, double total)
 {
     (void)user, (void)done, (void)total;
@@ -124,6 +157,7 @@ int main(void)
     test_standard_error(&scene, 64);
     test_threads(&scene);
     test_refusals(&scene);
+    test_strengths();
     close_scene(&scene);
     return test_end();
 }
