@@ -197,10 +197,12 @@ static al_status compute_rho(work *w, al_checkpoint *checkpoint, al_error *error
     return status;
 }
 
-/* Light enters a dense medium by about one mean free path. Samples see that skin only where they are as
- * dense: where the mean free path is the base radius r, pictures of a sphere err by an eighth, at a tenth of
- * it by nearly half (docs/accuracy.md). The count goes with the inverse cube of r; a tenth is added because r
- * is met only nearly. */
+/* Light enters a dense medium by about one mean free path, and samples must be denser than that skin:
+ * pictures of a sphere err by 4.5 % where the mean free path is two base radii, by an eighth at one, by
+ * nearly half at a tenth (docs/accuracy.md). The densest channel decides. The count goes with the inverse
+ * cube of r; a tenth is added because r is met only nearly. */
+static const double radii_per_path = 2;
+
 static al_status check_skin(const work *w, al_error *error)
 {
     double density = 0, count = 0;
@@ -209,18 +211,20 @@ static al_status check_skin(const work *w, al_error *error)
         density += w->grid.density[i];
         count++;
     }
-    double extinction = w->sigma_mean * density / count, radius = w->samples.radius_m;
-    if (extinction * radius < 1) return AL_OK;
-    double needed = ceil(1.1 * w->samples.count * pow(extinction * radius, 3));
+    double sigma_t = fmax(fmax(w->sigma_t[0], w->sigma_t[1]), w->sigma_t[2]);
+    double extinction = sigma_t * density / count, radius = w->samples.radius_m;
+    if (radii_per_path * extinction * radius <= 1) return AL_OK;
+    double needed = ceil(1.1 * w->samples.count * pow(radii_per_path * extinction * radius, 3));
     if (w->settings->too_dense == AL_TOO_DENSE_REFUSE)
-        return al_fail(error, AL_BAD_INPUT,
-                       "translucent '%s': its mean free path of %.3g m is too short for samples of base "
-                       "radius %.3g m; \"samples\" of about %.0f in \"bake\", a thinner medium or an opaque "
-                       "mesh is right, or \"too_dense\": \"bake\" to have it wrong",
-                       w->object->name, 1 / extinction, radius, needed);
+        return al_fail(
+            error, AL_BAD_INPUT,
+            "translucent '%s': its mean free path of %.3g m is less than two base radii of its "
+            "samples, %.3g m each; \"samples\" of about %.0f in \"bake\", a thinner medium or an opaque "
+            "mesh is right, or \"too_dense\": \"bake\" to have it wrong",
+            w->object->name, 1 / extinction, radius, needed);
     al_program_say(w->options->program,
-                   "translucent '%s' will look wrong: its mean free path of %.3g m is shorter than the "
-                   "samples' base radius of %.3g m; about %.0f samples would resolve it",
+                   "translucent '%s' will look wrong: its mean free path of %.3g m is less than two base "
+                   "radii of its samples, %.3g m each; about %.0f samples would resolve it",
                    w->object->name, 1 / extinction, radius, needed);
     return AL_OK;
 }
