@@ -146,7 +146,7 @@ static void add_lights(summing *s, al_sequence *sequence, double weight)
             add(s, AL_GATHER_ATTENUATED, light->direction, basis, through);
         }
         if (!s->gather->responds) continue;
-        al_gather_source source = al_gather_source_of_light(light, &straight.fog);
+        al_gather_source source = al_gather_source_of_light(&straight);
         add_response(s, &source, power);
     }
 }
@@ -157,7 +157,7 @@ static void add_response_of_way(summing *s, const al_gather_way *way, double sha
     double scale, power[3];
     if (!al_gather_source_of_way(way, &source, &scale)) return;
     for (int c = 0; c < 3; c++) power[c] = share * scale * way->sent[AL_GATHER_TOTAL][c];
-    if (power[0] + power[1] + power[2] > 0) add_response(s, &source, power);
+    add_response(s, &source, power);
 }
 
 static bool add_path(summing *s, al_sequence *sequence, double weight)

@@ -66,10 +66,22 @@ void al_fog_path_free(al_fog_path *path)
     *path = (al_fog_path){0};
 }
 
+/* Of most rays between surfaces the bounds hold both ends, so that nothing is to be divided. */
+static bool holds(const al_fog_medium *medium, const al_ray *ray, double distance_m)
+{
+    bool inside = true;
+    for (int k = 0; k < 3; k++) {
+        double at = ray->origin[k] + distance_m * ray->direction[k];
+        inside = inside & (at >= medium->low[k]) & (at <= medium->high[k]);
+    }
+    return inside;
+}
+
 /* Cuts [begin, end] to the medium's bounds; false when nothing is left. */
 static bool clip(const al_fog_medium *medium, const al_ray *ray, double *begin_m, double *end_m)
 {
-    for (int k = 0; medium->bounded && k < 3; k++) {
+    bool inside = !medium->bounded || (holds(medium, ray, *begin_m) && holds(medium, ray, *end_m));
+    for (int k = 0; !inside && k < 3; k++) {
         double low = medium->low[k] - ray->origin[k], high = medium->high[k] - ray->origin[k];
         if (ray->direction[k] == 0) {
             if (low > 0 || high < 0) return false;

@@ -13,10 +13,18 @@ typedef struct al_gather_kernel al_gather_kernel;
 al_gather_kernel *al_gather_kernel_create(const al_impulse_tables *tables, double albedo, double g);
 void al_gather_kernel_free(al_gather_kernel *kernel); /* NULL is allowed */
 
-/* W/m2 about a normal with components normal_z (towards the emitter) and normal_x (towards the side of its
- * normal), for a unit emitter. sigma_t_per_m is above 0. */
-double al_gather_kernel_irradiance(const al_gather_kernel *kernel, al_impulse_emitter emitter,
-                                   double distance_m, double cos_normal, double sigma_t_per_m,
-                                   double normal_z, double normal_x);
+typedef struct al_gather_kernel_query {
+    al_impulse_emitter emitter;
+    double depth;         /* sigma_t d, above 0 */
+    double transmittance; /* exp(-depth), which whoever asks has already */
+    double cos_normal;    /* areas: emitter's normal . direction from emitter to receiver */
+    double normal_z;      /* receiver's normal . direction to the emitter */
+    double normal_across; /* areas: of the receiver's normal and the emitter's, what is across the direction:
+                           * receiver's normal . emitter's normal + cos_normal normal_z */
+} al_gather_kernel_query;
+
+/* For a unit emitter, over sigma_t^2 but for a directional light: W/m2 in a medium of sigma_t = 1 per metre.
+ * Within 1.6 % of the fluence for |g| up to 0.5, 2.3 % for 0.8: the bands above 4. */
+double al_gather_kernel_irradiance(const al_gather_kernel *kernel, const al_gather_kernel_query *query);
 
 #endif

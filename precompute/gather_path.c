@@ -179,7 +179,7 @@ static void add_lights(const al_gather *gather, al_gather_scratch *scratch, cons
         const al_light_sample *light = &straight.light;
         double cosine = dot(vertex->normal, light->direction);
         if (vertex->asks) {
-            al_gather_source source = al_gather_source_of_light(light, &straight.fog);
+            al_gather_source source = al_gather_source_of_light(&straight);
             al_gather_response(gather, &source, vertex->normal, response);
         }
         for (int c = 0; c < 3; c++) {
@@ -214,12 +214,14 @@ static bool estimate(const al_gather *gather, al_gather_scratch *scratch, const 
     way.asks = vertex->asks;
     way.places = AL_GATHER_LATER_PLACES;
     if (!al_gather_follow(gather, scratch, bounces, ahead, importance, sequence, &way)) return false;
-    if (way.asks && al_gather_source_of_way(&way, &source, &scale))
+    if (way.asks && al_gather_source_of_way(&way, &source, &scale)) {
         al_gather_response(gather, &source, vertex->normal, response);
+        scale /= way.density_per_sr;
+        for (int c = 0; c < 3; c++) response[c] *= scale * way.sent[AL_GATHER_TOTAL][c];
+    }
     for (int c = 0; c < 3; c++) {
         double through = arrives * way.transmittance[c];
-        double scattered = arrives * way.scattered[c];
-        if (way.asks) scattered += scale / way.density_per_sr * response[c] * way.sent[AL_GATHER_TOTAL][c];
+        double scattered = arrives * way.scattered[c] + response[c];
         irradiance[AL_GATHER_SURFACE][c] += arrives * way.sent[AL_GATHER_SURFACE][c];
         irradiance[AL_GATHER_ATTENUATED][c] += through * way.sent[AL_GATHER_ATTENUATED][c];
         irradiance[AL_GATHER_TOTAL][c] += through * way.sent[AL_GATHER_TOTAL][c] + scattered;
@@ -273,13 +275,11 @@ static bool add_reflection(const al_gather *gather, al_gather_scratch *scratch, 
     return true;
 }
 
-/* Transmittance of the way, and light that fog scatters into it. */
-static bool pass_fog(const al_gather *gather, al_gather_scratch *scratch, const double carried[3],
-                     al_sequence *sequence, al_gather_way *way)
+/* Transmittance of the way, and light that fog scatters into it, by fog points. */
+static bool pass_points(const al_gather *gather, al_gather_scratch *scratch, const double carried[3],
+                        al_sequence *sequence, al_gather_way *way)
 {
     double length_m = way->met ? way->hit.distance_m : INFINITY;
-    if (!gather->points)
-        return pass_evenly(gather, scratch, &way->ray, length_m, way->asks, way->transmittance, &way->fog);
     if (!al_fog_along(&gather->fog, &way->ray, length_m, &scratch->fog)) return false;
     way->transmittance[0] = exp(-scratch->fog.depth[0]);
     for (int c = 1; c < 3; c++)
@@ -287,18 +287,30 @@ static bool pass_fog(const al_gather *gather, al_gather_scratch *scratch, const 
     return al_gather_scatter(gather, scratch, carried, sequence, way);
 }
 
+bool al_gather_is_dark(const al_gather_way *way)
+{
+    const double *sent = way->sent[AL_GATHER_TOTAL];
+    return !(sent[0] + sent[1] + sent[2] > 0);
+}
+
+/* Without fog points what the fog does is asked last: half of the ways bring nothing, as they end in the
+ * dark. */
 bool al_gather_follow(const al_gather *gather, al_gather_scratch *scratch, uint32_t bounces,
                       const double carried[3], double importance, al_sequence *sequence, al_gather_way *way)
 {
     double ahead[3];
     for (int c = 0; c < 3; c++) {
+        way->transmittance[c] = 1;
         way->scattered[c] = way->emitted[c] = 0;
         for (int layer = 0; layer < AL_GATHER_LAYER_COUNT; layer++) way->sent[layer][c] = 0;
     }
     way->met = al_ray_scene_hit(gather->rays, &way->ray, INFINITY, &way->hit);
-    if (!pass_fog(gather, scratch, carried, sequence, way)) return false;
+    if (gather->points && !pass_points(gather, scratch, carried, sequence, way)) return false;
     add_emission(gather, way);
-    if (!way->met || !bounces) return true;
     for (int c = 0; c < 3; c++) ahead[c] = carried[c] * way->transmittance[c];
-    return add_reflection(gather, scratch, bounces, ahead, importance, sequence, way);
+    if (way->met && bounces && !add_reflection(gather, scratch, bounces, ahead, importance, sequence, way))
+        return false;
+    if (gather->points || al_gather_is_dark(way)) return true;
+    return pass_evenly(gather, scratch, &way->ray, way->met ? way->hit.distance_m : INFINITY, way->asks,
+                       way->transmittance, &way->fog);
 }

@@ -17,7 +17,7 @@ typedef struct al_gather_way {
     bool met;              /* a surface ends it */
     al_surface_hit hit;
     double transmittance[3];
-    al_fog_mean fog;       /* where responses are asked */
+    al_fog_mean fog;       /* where responses are asked; only if it is not dark */
     double scattered[3];   /* radiance that arrives from the fog on the way */
     double emitted[3];     /* by the far end, its share against being found as a light */
     al_gather_layers sent; /* radiance that leaves the far end along the ray: of surface or sky */
@@ -28,6 +28,9 @@ typedef struct al_gather_way {
  * first point; `importance`: the share that surfaces leave of it, for Russian roulette. */
 bool al_gather_follow(const al_gather *gather, al_gather_scratch *scratch, uint32_t bounces,
                       const double carried[3], double importance, al_sequence *sequence, al_gather_way *way);
+
+/* Whether the far end sends nothing. Without fog points the transmittance of such a way is left at 1. */
+bool al_gather_is_dark(const al_gather_way *way);
 
 /* The light of one kind that reaches a vertex straight. */
 typedef struct al_gather_straight {

@@ -75,18 +75,19 @@ void al_gather_responses_free(al_gather *gather)
 
 /* --- sources --- */
 
-al_gather_source al_gather_source_of_light(const al_light_sample *light, const al_fog_mean *fog)
+al_gather_source al_gather_source_of_light(const al_gather_straight *straight)
 {
+    const al_light_sample *light = &straight->light;
     al_gather_source source = {.emitter = AL_IMPULSE_POINT,
-                               .distance_m = fog->length_m,
+                               .direction = light->direction,
                                .cos_normal = light->cos_normal,
-                               .fog = *fog};
+                               .fog = &straight->fog,
+                               .transmittance = straight->transmittance};
     if (isinf(light->distance_m)) source.emitter = AL_IMPULSE_DIRECTIONAL;
-    if (light->kind == AL_LIGHT_KIND_EMITTER) source.emitter = AL_IMPULSE_AREA;
-    for (int k = 0; k < 3; k++) {
-        source.direction[k] = light->direction[k];
-        source.normal[k] = light->normal[k];
-    }
+    if (light->kind != AL_LIGHT_KIND_EMITTER) return source;
+    bool back = light->double_sided && dot(light->normal, light->direction) > 0;
+    source.emitter = AL_IMPULSE_AREA;
+    for (int k = 0; k < 3; k++) source.normal[k] = back ? -light->normal[k] : light->normal[k];
     return source;
 }
 
@@ -95,11 +96,13 @@ bool al_gather_source_of_way(const al_gather_way *way, al_gather_source *source,
 {
     const al_surface_hit *hit = &way->hit;
     *scale = 1;
-    *source = (al_gather_source){
-        .emitter = AL_IMPULSE_DIRECTIONAL, .distance_m = way->fog.length_m, .cos_normal = 1, .fog = way->fog};
-    for (int k = 0; k < 3; k++) source->direction[k] = way->ray.direction[k];
+    if (al_gather_is_dark(way)) return false;
+    *source = (al_gather_source){.emitter = way->met ? AL_IMPULSE_AREA : AL_IMPULSE_DIRECTIONAL,
+                                 .direction = way->ray.direction,
+                                 .cos_normal = 1,
+                                 .fog = &way->fog,
+                                 .transmittance = way->transmittance};
     if (!way->met) return true;
-    source->emitter = AL_IMPULSE_AREA;
     for (int k = 0; k < 3; k++) source->normal[k] = hit->front ? hit->normal[k] : -hit->normal[k];
     source->cos_normal = -dot(source->normal, way->ray.direction);
     *scale = hit->distance_m * hit->distance_m / source->cos_normal;
@@ -131,7 +134,7 @@ static void frame_of(const al_gather_source *source, double x[3], double z[3])
 
 static bool scatters(const al_gather_source *source, int c)
 {
-    return source->fog.sigma_s_per_m[c] > 0 && source->distance_m > 0 && isfinite(source->distance_m);
+    return source->fog->sigma_s_per_m[c] > 0 && source->fog->length_m > 0 && isfinite(source->fog->length_m);
 }
 
 static void ask(const al_gather *gather, const al_gather_source *source, int c, al_impulse_answer *answer)
@@ -139,12 +142,12 @@ static void ask(const al_gather *gather, const al_gather_source *source, int c, 
     al_impulse_query query = {.emitter = source->emitter,
                               .first_event = 1,
                               .last_event = al_impulse_tables_info(gather->tables)->event_count,
-                              .distance_m = source->distance_m,
+                              .distance_m = source->fog->length_m,
                               .cos_normal = source->cos_normal,
-                              .sigma_s_per_m = source->fog.sigma_s_per_m[c],
+                              .sigma_s_per_m = source->fog->sigma_s_per_m[c],
                               .sigma_a_per_m =
-                                  fmax(0, source->fog.sigma_t_per_m[c] - source->fog.sigma_s_per_m[c]),
-                              .g = source->fog.g};
+                                  fmax(0, source->fog->sigma_t_per_m[c] - source->fog->sigma_s_per_m[c]),
+                              .g = source->fog->g};
     al_impulse_response(gather->tables, &query, answer);
 }
 
@@ -152,32 +155,47 @@ static void ask(const al_gather *gather, const al_gather_source *source, int c, 
 static bool is_same(const al_gather *gather, const al_gather_source *source, int c)
 {
     return c > 0 && gather->kernels[c] == gather->kernels[c - 1] &&
-           source->fog.sigma_s_per_m[c] == source->fog.sigma_s_per_m[c - 1] &&
-           source->fog.sigma_t_per_m[c] == source->fog.sigma_t_per_m[c - 1];
+           source->fog->sigma_s_per_m[c] == source->fog->sigma_s_per_m[c - 1] &&
+           source->fog->sigma_t_per_m[c] == source->fog->sigma_t_per_m[c - 1];
+}
+
+static double ask_kernel(const al_gather_kernel *kernel, const al_gather_source *source, int c,
+                         double normal_z, double normal_across)
+{
+    double sigma_t = source->fog->sigma_t_per_m[c];
+    al_gather_kernel_query query = {.emitter = source->emitter,
+                                    .depth = sigma_t * source->fog->length_m,
+                                    .transmittance = source->transmittance[c],
+                                    .cos_normal = source->cos_normal,
+                                    .normal_z = normal_z,
+                                    .normal_across = normal_across};
+    double irradiance = al_gather_kernel_irradiance(kernel, &query);
+    return source->emitter == AL_IMPULSE_DIRECTIONAL ? irradiance : sigma_t * sigma_t * irradiance;
+}
+
+static double ask_tables(const al_gather *gather, const al_gather_source *source, int c, double normal_z,
+                         double normal_across)
+{
+    double sine = sqrt(fmax(0, 1 - source->cos_normal * source->cos_normal));
+    al_impulse_answer answer;
+    ask(gather, source, c, &answer);
+    return al_impulse_irradiance(&answer, normal_z, sine > 0 ? normal_across / sine : 0);
 }
 
 void al_gather_response(const al_gather *gather, const al_gather_source *source, const double normal[3],
                         double irradiance[3])
 {
-    double x[3], z[3], normal_z = dot(normal, source->direction), normal_x = 0;
-    if (source->emitter == AL_IMPULSE_AREA) { /* others are the same all around */
-        frame_of(source, x, z);
-        normal_x = dot(normal, x);
-    }
+    double z = dot(normal, source->direction), across = 0;
+    if (source->emitter == AL_IMPULSE_AREA) across = dot(normal, source->normal) + source->cos_normal * z;
     for (int c = 0; c < 3; c++) {
-        al_impulse_answer answer;
         irradiance[c] = 0;
-        if (is_same(gather, source, c)) {
+        if (is_same(gather, source, c))
             irradiance[c] = irradiance[c - 1];
-        } else if (scatters(source, c) && gather->kernels[c]) {
-            irradiance[c] = al_gather_kernel_irradiance(gather->kernels[c], source->emitter,
-                                                        source->distance_m, source->cos_normal,
-                                                        source->fog.sigma_t_per_m[c], normal_z, normal_x);
-        } else if (scatters(source, c)) {
-            ask(gather, source, c, &answer);
-            irradiance[c] = al_impulse_irradiance(&answer, normal_z, normal_x);
-        }
-        irradiance[c] = fmax(0, irradiance[c]); /* a few bands may swing below 0 */
+        else if (scatters(source, c) && gather->kernels[c])
+            irradiance[c] = ask_kernel(gather->kernels[c], source, c, z, across);
+        else if (scatters(source, c))
+            irradiance[c] = ask_tables(gather, source, c, z, across);
+        if (!(irradiance[c] > 0)) irradiance[c] = 0; /* a few bands may swing below 0 */
     }
 }
 
@@ -217,7 +235,7 @@ static bool step(const al_gather *gather, al_gather_scratch *scratch, al_gather_
                  al_sequence *sequence, double carried[3], bool *failed)
 {
     double u[2], response[3] = {0}, scale;
-    al_gather_way way;
+    al_gather_way way = {.sent[AL_GATHER_TOTAL] = {1, 1, 1}};
     al_gather_source source;
     al_sequence_pair(sequence, u);
     al_gather_draw(vertex, u, way.ray.direction, &way.density_per_sr);

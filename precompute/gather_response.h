@@ -8,17 +8,18 @@
 al_status al_gather_responses_create(al_gather *gather, al_error *error);
 void al_gather_responses_free(al_gather *gather);
 
-/* An emitter as a vertex sees it. */
+/* An emitter as a vertex sees it. Pointers go into the light or way that it was made of. */
 typedef struct al_gather_source {
     al_impulse_emitter emitter;
-    double direction[3]; /* towards it */
-    double normal[3];    /* of an area */
-    double distance_m, cos_normal;
-    al_fog_mean fog; /* in between */
+    const double *direction; /* towards it */
+    double normal[3];        /* of an area, on the vertex' side where cos_normal is above 0 */
+    double cos_normal;
+    const al_fog_mean *fog; /* in between; its length is the distance */
+    const double *transmittance;
 } al_gather_source;
 /* Of a light, or of the far end of a way; what the response is to be multiplied with: `power` of the light,
  * or the radiance that the far end sends over its density_per_sr times *scale. False: nothing comes of it. */
-al_gather_source al_gather_source_of_light(const al_light_sample *light, const al_fog_mean *fog);
+al_gather_source al_gather_source_of_light(const al_gather_straight *straight);
 bool al_gather_source_of_way(const al_gather_way *way, al_gather_source *source, double *scale);
 
 /* Irradiance about a normal, per channel, for a unit emitter. */

@@ -1,6 +1,6 @@
 /* What fog costs: processor time of gathering with each setting over that of surfaces alone, in one process.
  * Usage: airlight-bench-gather SCENE.json TABLES.air [POINTS]. Points are the middles of triangles, evenly
- * taken from all there are. Rounds of the settings take turns, each setting's least time counts. Not a test.
+ * taken from all there are. Rounds of the settings take turns, each point's least time counts. Not a test.
  */
 #include <math.h>
 #include <stdio.h>
@@ -78,27 +78,42 @@ static uint32_t choose_points(const al_scene *scene, uint32_t wanted, point *poi
     return count;
 }
 
-/* Processor seconds of all points; the sum keeps the work from being left out. */
-static double gather_seconds(const al_gather *gather, const point *points, uint32_t count, double *sum)
+static double processor_seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* Lowers the least seconds of each point; the sum keeps the work from being left out. */
+static void time_points(const al_gather *gather, const point *points, uint32_t count, double *least_s,
+                        double *sum)
 {
     al_gather_scratch *scratch = al_gather_scratch_new(gather);
-    clock_t begin = clock();
     for (uint32_t i = 0; scratch && i < count; i++) {
         al_gathered gathered;
+        double begin_s = processor_seconds();
         if (al_gather_point(gather, scratch, points[i].position, points[i].normal, 0.05, i, &gathered))
             *sum += gathered.attenuated[1] + gathered.scattered[1];
+        least_s[i] = fmin(least_s[i], processor_seconds() - begin_s);
     }
-    double seconds = (double)(clock() - begin) / CLOCKS_PER_SEC;
     al_gather_scratch_free(scratch);
-    return seconds;
+}
+
+static double total(const double *values, uint32_t count)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < count; i++) sum += values[i];
+    return sum;
 }
 
 static al_status compare(const al_import *import, const al_impulse_tables *tables,
                          const al_lightmap_settings *quality, const point *points, uint32_t count,
                          al_error *error)
 {
+    static double least_s[SETTINGS][POINT_LIMIT];
     al_gather *gathers[SETTINGS] = {0};
-    double least[SETTINGS], opening[SETTINGS], sums[SETTINGS] = {0};
+    double opening[SETTINGS], sums[SETTINGS] = {0};
     al_status status = AL_OK;
     for (int i = 0; i < SETTINGS && !status; i++) {
         al_gather_options options = {.samples = quality->samples,
@@ -107,19 +122,19 @@ static al_status compare(const al_import *import, const al_impulse_tables *table
                                      .walls = settings[i].walls,
                                      .back_scatter = settings[i].back_scatter,
                                      .threads = 1};
-        clock_t begin = clock();
+        double begin_s = processor_seconds();
         status = al_gather_open(import, tables, &options, &gathers[i], error);
-        opening[i] = (double)(clock() - begin) / CLOCKS_PER_SEC;
-        least[i] = INFINITY;
+        opening[i] = processor_seconds() - begin_s;
+        for (uint32_t k = 0; k < count; k++) least_s[i][k] = INFINITY;
     }
     for (int round = 0; round < ROUNDS && !status; round++)
-        for (int i = 0; i < SETTINGS; i++)
-            least[i] = fmin(least[i], gather_seconds(gathers[i], points, count, &sums[i]));
+        for (int i = 0; i < SETTINGS; i++) time_points(gathers[i], points, count, least_s[i], &sums[i]);
     for (int i = 0; i < SETTINGS && !status; i++)
         printf("%4u paths, %u bounces, %-12s %8.1f us a path, %+7.1f %% over surfaces, opened in %.2f s, "
                "mean %.4g\n",
                quality->samples, quality->bounces, settings[i].name,
-               1e6 * least[i] / count / quality->samples, 100 * (least[i] / least[0] - 1), opening[i],
+               1e6 * total(least_s[i], count) / count / quality->samples,
+               100 * (total(least_s[i], count) / total(least_s[0], count) - 1), opening[i],
                sums[i] / ROUNDS / count);
     for (int i = 0; i < SETTINGS; i++) al_gather_close(gathers[i]);
     return status;
