@@ -17,8 +17,8 @@ bool al_environment_exists(const al_environment *environment)
     return false;
 }
 
-/* The picture as halfs of radiance over a unit: the power of two that puts the brightest number into [2^14, 2^15).
- * A sun of 1e6 W/(m2 sr) would overflow a half and a night of 1e-6 fall below the normal ones. */
+/* The picture as halfs of radiance over a unit: the power of two that puts the brightest number into [2^14,
+ * 2^15). A sun of 1e6 W/(m2 sr) would overflow a half and a night of 1e-6 fall below the normal ones. */
 static al_status upload_pixels(al_runtime *runtime, const al_environment *environment, al_error *error)
 {
     size_t row_count = 3 * (size_t)environment->width;

@@ -6,7 +6,8 @@
 #include "geometry.h"
 
 enum { CELLS_PER_VOXEL = 4, LAYER_LIMIT = 1 << 20 };
-static const double cell_depth = 0.05, nothing_left = 50; /* optical depths: of a cell, where exp(-tau) is 2e-22 */
+static const double cell_depth = 0.05,
+                    nothing_left = 50; /* optical depths: of a cell, where exp(-tau) is 2e-22 */
 
 al_march_medium al_march_medium_of(const al_import *import, uint32_t index)
 {
@@ -53,8 +54,8 @@ static bool clip(const al_march_medium *medium, const al_ray *ray, double *begin
 /* --- grids --- */
 
 /* The planes at which a grid's density has a kink, in the order in which a ray meets them. Along each axis of
- * index space plane 0 is the box's lower face at -1/2, planes 1 to size the voxel centres, plane size + 1 the upper
- * face. */
+ * index space plane 0 is the box's lower face at -1/2, planes 1 to size the voxel centres, plane size + 1 the
+ * upper face. */
 typedef struct plane_walk {
     const uint32_t *size;
     double from[3], slope[3]; /* index = from + distance * slope */

@@ -1,10 +1,10 @@
 /* Media along rays: optical lengths, and the cells that single scattering is sampled from.
  *
- * Constant media and layers are integrated in closed form. So are the optical lengths of grids: between the planes
- * through voxel centres a trilinear density is a cubic along a ray, which Gauss's rule of two points integrates
- * exactly. The cells of a grid are at most a quarter of a voxel long and, as far as light comes through, at most a
- * twentieth of optical depth thick; their density is that of their middle, so the error falls with the square of their
- * length. World space, metres. */
+ * Constant media and layers are integrated in closed form. So are the optical lengths of grids: between the
+ * planes through voxel centres a trilinear density is a cubic along a ray, which Gauss's rule of two points
+ * integrates exactly. The cells of a grid are at most a quarter of a voxel long and, as far as light comes
+ * through, at most a twentieth of optical depth thick; their density is that of their middle, so the error
+ * falls with the square of their length. World space, metres. */
 #ifndef AIRLIGHT_MARCH_H
 #define AIRLIGHT_MARCH_H
 

@@ -98,7 +98,7 @@ cat >"$work/names.json" <<'SCENE'
     {"name": "a/b", "mesh": "ball", "medium": "jelly"},
     {"name": "a_b", "mesh": "corner", "medium": "jelly"}
   ],
-  "bake": {"directions": 8, "grid_resolution": 8, "samples": 20, "sh_order": 2}
+  "bake": {"directions": 8, "grid_resolution": 8, "samples": 40, "sh_order": 2}
 }
 SCENE
 run 0 "$bin/airlight-bake" "$work/names.json" -o "$work/names" --quiet

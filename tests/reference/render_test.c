@@ -95,8 +95,8 @@ static void test_threads(const test_scene *scene)
     free_pictures(&one);
 }
 
-/* Pictures are linear in the lights: times a power of two equal to the last bit; times another number but for what
- * the numbers in the scene and the picture's are rounded by, 2^-24 each. */
+/* Pictures are linear in the lights: times a power of two equal to the last bit; times another number but for
+ * what the numbers in the scene and the picture's are rounded by, 2^-24 each. */
 static void test_strengths(void)
 {
     static const double factors[] = {1, 0x1p-20, 0x1p20, 1e-6, 1e6};

@@ -222,12 +222,12 @@ static void test_opaque(void)
  * medium. */
 static void test_layers(void)
 {
-    test_scene scene = open_scene(
-        "{'meshes':[{'name':'box','shape':{'type':'box','size_m':1}}],"
-        "'media':[{'name':'m','sigma_s_per_m':1.2,'sigma_a_per_m':0.3,"
-        "'density':{'type':'layers','axis':[0,0,1],'period_m':0.2,'thickness_m':0.07,"
-        "'low':0.5,'high':3,'bounds_min_m':[-1,-1,-0.33],'bounds_max_m':[0.3,1,0.4]}}],"
-        "'translucents':[{'name':'o','mesh':'box','medium':'m'}]," SUN "}");
+    test_scene scene =
+        open_scene("{'meshes':[{'name':'box','shape':{'type':'box','size_m':1}}],"
+                   "'media':[{'name':'m','sigma_s_per_m':1.2,'sigma_a_per_m':0.3,"
+                   "'density':{'type':'layers','axis':[0,0,1],'period_m':0.2,'thickness_m':0.07,"
+                   "'low':0.5,'high':3,'bounds_min_m':[-1,-1,-0.33],'bounds_max_m':[0.3,1,0.4]}}],"
+                   "'translucents':[{'name':'o','mesh':'box','medium':'m'}]," SUN "}");
     enum { STEPS = 7300 }; /* of 0.1 mm from z = 0.4 down to -0.33: every face lies on a step */
     double expected = 0, depth = 0, step = 1e-4;
     for (int i = 0; i < STEPS; i++) {
@@ -283,8 +283,9 @@ static void test_extremes(void)
 
 /* --- one voxel of a grid --- */
 
-/* A box of 2 m, its grid 0.1 but for one voxel of `speck` in the middle: density rest + (speck - rest) w(x) w(y)
- * w(z), w(x) = max(1 - |x| / h, 0). Eye rays run along -z at x = 0.3 h, y = -0.2 h, where w is 0.7 and 0.8. */
+/* A box of 2 m, its grid 0.1 but for one voxel of `speck` in the middle: density rest + (speck - rest) w(x)
+ * w(y) w(z), w(x) = max(1 - |x| / h, 0). Eye rays run along -z at x = 0.3 h, y = -0.2 h, where w is 0.7 and
+ * 0.8. */
 typedef struct speck {
     double rest, peak, voxel_m; /* peak: speck - rest */
 } speck;
@@ -311,8 +312,8 @@ static double speck_source(const speck *s, double z)
     return density / (4 * AL_PI) * exp(-to_eye - to_sun);
 }
 
-/* Midpoints from `from` to `to`, drawn towards `from` by the fourth power: light dies out within h / (peak h) of the
- * tent's ends. */
+/* Midpoints from `from` to `to`, drawn towards `from` by the fourth power: light dies out within h / (peak h)
+ * of the tent's ends. */
 static double speck_quadrature(const speck *s, double from, double to)
 {
     enum { STEPS = 20000 };
@@ -349,14 +350,14 @@ static void test_speck(void)
         vdb_write_speck(path, SPECK_VOXELS, 2, (float)specks[i % 2], (float)s.rest);
         for (int side = 0; side < 3; side++) {
             static const char *const suns[] = {"0,0,-1", "-1,0,0", "0,0,-1"};
-            test_scene scene =
-                open_scene_of("{'meshes':[{'name':'box','shape':{'type':'box','size_m':2}}],"
-                              "'media':[{'name':'m','sigma_s_per_m':1,'density':{'type':'grid','file':'%s'}}],"
-                              "'translucents':[{'name':'o','mesh':'box','medium':'m'}],"
-                              "'lights':[{'type':'directional','direction':[%s],'irradiance_w_m2':1}]}",
-                              path, suns[side]);
-            al_ray ray = side == 2 ? ray_along(5, 0.1 * h, -0.5, -1, 0, 0)
-                                   : ray_along(0.3 * h, -0.2 * h, 5, 0, 0, -1);
+            test_scene scene = open_scene_of(
+                "{'meshes':[{'name':'box','shape':{'type':'box','size_m':2}}],"
+                "'media':[{'name':'m','sigma_s_per_m':1,'density':{'type':'grid','file':'%s'}}],"
+                "'translucents':[{'name':'o','mesh':'box','medium':'m'}],"
+                "'lights':[{'type':'directional','direction':[%s],'irradiance_w_m2':1}]}",
+                path, suns[side]);
+            al_ray ray =
+                side == 2 ? ray_along(5, 0.1 * h, -0.5, -1, 0, 0) : ray_along(0.3 * h, -0.2 * h, 5, 0, 0, -1);
             double depth = 2 * s.rest + 0.56 * s.peak * h, expected;
             if (side == 0) /* light and eye lose the same */
                 expected = -expm1(-2 * depth) / (8 * AL_PI);
@@ -376,8 +377,8 @@ static void test_speck(void)
 
 /* --- lights --- */
 
-/* Midpoint quadrature along (0.1, 0.2, 0.5) - z through a box of 1 m and sigma_t 2 per metre, from a lamp of 1 W/sr
- * on its boundary: all ways between them lie inside. */
+/* Midpoint quadrature along (0.1, 0.2, 0.5) - z through a box of 1 m and sigma_t 2 per metre, from a lamp of
+ * 1 W/sr on its boundary: all ways between them lie inside. */
 static double lamp_quadrature(const double lamp[3])
 {
     enum { STEPS = 100000 };
@@ -416,13 +417,13 @@ static void test_strong_beside_weak(void)
     static const char *const wall =
         "{'name':'wall','shape':{'type':'box','size_m':[0.1,3,3]},'transform':{'translate_m':[2,0,0]}},";
     for (int walled = 0; walled < 2; walled++) {
-        test_scene scene = open_scene_of(
-            "{'meshes':[%s{'name':'box','shape':{'type':'box','size_m':1}}],"
-            "'media':[{'name':'m','sigma_s_per_m':2}],"
-            "'translucents':[{'name':'o','mesh':'box','medium':'m'}],"
-            "'lights':[{'type':'directional','direction':[-1,0,0],'irradiance_w_m2':1e6},"
-            "{'type':'directional','direction':[0,-1,0],'irradiance_w_m2':1e-6}]}",
-            walled ? wall : "");
+        test_scene scene =
+            open_scene_of("{'meshes':[%s{'name':'box','shape':{'type':'box','size_m':1}}],"
+                          "'media':[{'name':'m','sigma_s_per_m':2}],"
+                          "'translucents':[{'name':'o','mesh':'box','medium':'m'}],"
+                          "'lights':[{'type':'directional','direction':[-1,0,0],'irradiance_w_m2':1e6},"
+                          "{'type':'directional','direction':[0,-1,0],'irradiance_w_m2':1e-6}]}",
+                          walled ? wall : "");
         al_ray ray = ray_along(0.1, 0.2, 5, 0, 0, -1);
         double error, value = estimate(&scene, &ray, 32, 0, &error), weak = 1e-6 * box_radiance(2, 2, 0.3, 1);
         double expected = weak + (walled ? 0 : 1e6 * box_radiance(2, 2, 0.4, 1));

@@ -1,5 +1,9 @@
-/* The extremes: optical depths from 1e-6 to 1e4, eyes inside, no and 64 lights, lights of 1e-6 and 1e6, on the
- * boundary, no samples, one pixel, a large view in tiles. Nothing may be negative or not finite; where a closed form exists it is met. */
+/* usage: runtime_extremes_test [FOLDER]: with a baked folder, only that its pictures are finite and not
+ * negative.
+ *
+ * The extremes: optical depths from 1e-6 to 1e4, eyes inside, no and 64 lights, lights of 1e-6 and 1e6, on
+ * the boundary, no samples, one pixel, a large view in tiles. Nothing may be negative or not finite; where a
+ * closed form exists it is met. */
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -200,10 +204,10 @@ static double worst_difference(const float *picture, const float *other, double 
     return worst;
 }
 
-/* The picture is linear in the lights. Times a power of two every float that it is made of keeps its digits: equal
- * to the last bit, unless something overflows or leaves the normal numbers. Times another number each operation
- * rounds anew, by 2^-24: one for each sample added up, and some 32 before and after. The sky's picture holds halfs,
- * 2^-12 off. */
+/* The picture is linear in the lights. Times a power of two every float that it is made of keeps its digits:
+ * equal to the last bit, unless something overflows or leaves the normal numbers. Times another number each
+ * operation rounds anew, by 2^-24: one for each sample added up, and some 32 before and after. The sky's
+ * picture holds halfs, 2^-12 off. */
 static const double linear_bound = (STRENGTH_SAMPLES + 32) * 0x1p-23, sky_bound = 0x1p-11;
 
 static void test_strengths(const char *folder)
@@ -224,8 +228,8 @@ static void test_strengths(const char *folder)
     free_pictures(plain);
 }
 
-/* A light of 1e-6 beside one of 1e6: behind a wall the strong one adds nothing at all; otherwise it is all there
- * is, but for what it does not reach. */
+/* A light of 1e-6 beside one of 1e6: behind a wall the strong one adds nothing at all; otherwise it is all
+ * there is, but for what it does not reach. */
 static void test_strong_beside_weak(const char *folder)
 {
     float *weak[2], *strong[2], *both[2];
@@ -249,8 +253,8 @@ static void test_strong_beside_weak(const char *folder)
 
 /* --- a light on the boundary --- */
 
-/* What a lamp of 1 W/sr at `lamp`, on the unit sphere, sends up through (x, y): the straight ways from it to all
- * points of the ray lie inside. */
+/* What a lamp of 1 W/sr at `lamp`, on the unit sphere, sends up through (x, y): the straight ways from it to
+ * all points of the ray lie inside. */
 static double lamp_quadrature(double sigma_t, const double lamp[3], double x, double y)
 {
     enum { STEPS = 2000 }; /* of 1 mm: 2e-6 of the integrand's largest curvature, 6 / d^2 with d > 0.3 m */
@@ -316,8 +320,8 @@ static void test_light_on_boundary(const char *folder)
         double coarse = lamp_error(folder, 1000, lamps[i]), fine = lamp_error(folder, 8000, lamps[i]);
         printf("lamp on the boundary at (%g, %g, %g): error %.4f with 1000 samples, %.4f with 8000\n",
                lamps[i][0], lamps[i][1], lamps[i][2], coarse, fine);
-        /* As in analytic_test.c these Gaussians leave an error of first order in the spacing, most of it at the
-         * boundary, where the light is: 17 % at 1000 samples, half of it at eight times as many. */
+        /* As in analytic_test.c these Gaussians leave an error of first order in the spacing, most of it at
+         * the boundary, where the light is: 17 % at 1000 samples, half of it at eight times as many. */
         CHECK(coarse < 0.19);
         CHECK(fine < 0.55 * coarse);
     }
@@ -406,9 +410,30 @@ static void test_largest(const char *folder)
     al_runtime_destroy(runtime);
 }
 
-int main(void)
+/* Every pass of a baked folder, by both view legs, from outside and from the middle. */
+static void test_folder(const char *folder)
+{
+    al_runtime *runtime = NULL;
+    al_error error = {0};
+    CHECK(al_runtime_create(NULL, &runtime, &error) == AL_OK);
+    CHECK(stage_load(runtime, folder));
+    for (int inside = 0; inside < 2; inside++) {
+        al_view view = stage_look(EDGE, EDGE, (float[3]){0, 0, inside ? 0 : 5}, (float[3]){0, 0, -1}, 0.8f);
+        for (int leg = 0; leg < 2; leg++)
+            for (int pass = 0; pass < AL_PASS_COUNT; pass++)
+                middle_of(runtime, &view, &(al_settings){.pass = (al_pass)pass, .view_leg = (al_view_leg)leg},
+                          1);
+    }
+    al_runtime_destroy(runtime);
+}
+
+int main(int argc, char **argv)
 {
     if (!stage_open()) return test_skip("no OpenGL 4.5 context");
+    if (argc == 2) {
+        test_folder(argv[1]);
+        return test_end();
+    }
     const char *folder = stage_folder();
     test_optical_depths(folder);
     test_both_ways(folder);

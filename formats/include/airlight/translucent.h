@@ -32,7 +32,7 @@ typedef struct al_translucent_info {
     uint32_t grid_size[3];  /* x, y, z voxels of the density grid */
     float grid_origin_m[3]; /* lower corner of voxel (0,0,0) */
     float voxel_m;          /* edge of a voxel */
-    float density_max;      /* largest value of the grid, and its unit: stored values are value/density_max */
+    float density_max;      /* the grid's unit: stored values are density / density_max, at most 1 */
     float sigma_s_per_m[3]; /* at density 1 */
     float sigma_a_per_m[3];
     float g;                /* Henyey-Greenstein asymmetry, in (-1, 1) */
