@@ -143,7 +143,8 @@ enum { STRENGTH_EDGE = 48, STRENGTH_COUNT = STRENGTH_EDGE * STRENGTH_EDGE * 3, S
 
 typedef struct strengths {
     float sun, lamp, sky;
-    bool sun_below; /* under the floor */
+    bool sun_below;     /* under the floor */
+    bool lamp_on_glass; /* in a vertex of the glossy boundary, else beside it */
 } strengths;
 
 /* A glossy sphere over a floor, by both view legs; every runtime's frames have the same jitter. */
@@ -161,7 +162,9 @@ static void draw_lit(const char *folder, strengths light, al_pass pass, float *p
     sphere_scene_add(&s, "sphere.air", 1, (float[3]){0, 0, 0});
     sphere_scene_add_floor(&s, 20, (float[3]){0, -1.2f, 0});
     sphere_scene_add_light(&s, AL_LIGHT_DIRECTIONAL, beam[light.sun_below], light.sun);
-    sphere_scene_add_light(&s, AL_LIGHT_POINT, (float[3]){-1, 1.5f, 1}, light.lamp);
+    const float *vertex = s.meshes[0].positions + 3 * (s.meshes[0].vertex_count / 3);
+    sphere_scene_add_light(&s, AL_LIGHT_POINT, light.lamp_on_glass ? vertex : (float[3]){-1, 1.5f, 1},
+                           light.lamp);
     for (int i = 0; i < SKY_WIDTH * SKY_HEIGHT * 3; i++) sky[i] = light.sky * (float)(1 + i % 7) / 8;
     al_environment *environment = &s.scene.environment;
     if (light.sky > 0) {
@@ -214,10 +217,10 @@ static void test_strengths(const char *folder)
 {
     static const float factors[] = {0x1p-20f, 0x1p20f, 1e-6f, 1e6f};
     float *plain[2], *scaled[2];
-    draw_lit(folder, (strengths){1, 1, 1, false}, AL_PASS_COMPOSITE, plain);
+    draw_lit(folder, (strengths){.sun = 1, .lamp = 1, .sky = 1}, AL_PASS_COMPOSITE, plain);
     for (int i = 0; i < 4; i++) {
         float f = factors[i];
-        draw_lit(folder, (strengths){f, f, f, false}, AL_PASS_COMPOSITE, scaled);
+        draw_lit(folder, (strengths){.sun = f, .lamp = f, .sky = f}, AL_PASS_COMPOSITE, scaled);
         for (int leg = 0; leg < 2; leg++) {
             double worst = worst_difference(scaled[leg], plain[leg], f);
             printf("lights times %g: relative difference %.2g\n", f, worst);
@@ -234,15 +237,15 @@ static void test_strong_beside_weak(const char *folder)
 {
     float *weak[2], *strong[2], *both[2];
     const al_pass pass = AL_PASS_TRANSLUCENT;
-    draw_lit(folder, (strengths){0, 1e-6f, 0, true}, pass, weak);
-    draw_lit(folder, (strengths){1e6f, 1e-6f, 0, true}, pass, both);
+    draw_lit(folder, (strengths){.lamp = 1e-6f, .sun_below = true}, pass, weak);
+    draw_lit(folder, (strengths){.sun = 1e6f, .lamp = 1e-6f, .sun_below = true}, pass, both);
     for (int leg = 0; leg < 2; leg++) {
         CHECK(stage_sum(weak[leg], STRENGTH_COUNT) > 0);
         CHECK(memcmp(weak[leg], both[leg], STRENGTH_COUNT * sizeof(float)) == 0);
     }
     free_pictures(both);
-    draw_lit(folder, (strengths){1e6f, 0, 0, false}, pass, strong);
-    draw_lit(folder, (strengths){1e6f, 1e-6f, 0, false}, pass, both);
+    draw_lit(folder, (strengths){.sun = 1e6f}, pass, strong);
+    draw_lit(folder, (strengths){.sun = 1e6f, .lamp = 1e-6f}, pass, both);
     for (int leg = 0; leg < 2; leg++)
         for (int i = 0; i < STRENGTH_COUNT; i++)
             CHECK_NEAR(both[leg][i], strong[leg][i], linear_bound * strong[leg][i] + 2 * weak[leg][i]);
@@ -298,6 +301,10 @@ static double lamp_error(const char *folder, uint32_t samples, const float lamp[
 
 static void test_light_on_boundary(const char *folder)
 {
+    float *pictures[2];
+    draw_lit(folder, (strengths){.lamp = 1e6f, .lamp_on_glass = true}, AL_PASS_COMPOSITE, pictures);
+    for (int leg = 0; leg < 2; leg++) CHECK(stage_sum(pictures[leg], STRENGTH_COUNT) > 0);
+    free_pictures(pictures);
     sphere_scene s;
     float lamps[3][3] = {{0, 0, 1}, {1, 0, 0}, {0}};
     sphere_scene_begin(&s);
