@@ -121,8 +121,8 @@ run 0 "$bin/airlight-bake" "$work/scene.json" -o "$work/baked" --quiet
 run 0 "$bin/airlight-inspect" --check "$work/baked/object.translucent.air"
 run 0 "$bin/speck_check" "$work/baked/object.translucent.air" 9 0.1
 cat "$work/stdout"
-# The picture: finite, never negative, and as bright as the reference's within a tenth (1.07 when this was written,
-# 1.03 without the speck; 0.05 while the speck's density was the unit of a 16-bit grid).
+# The picture: finite, never negative, and as bright as the reference's: 1.08 of it when this was written, 1.01
+# without the speck; nearly black while the speck's density was the unit of a 16-bit grid.
 code=0
 "$bin/runtime_extremes_test" "$work/baked" || code=$?
 if [ "$code" = 0 ]; then
@@ -133,7 +133,8 @@ if [ "$code" = 0 ]; then
     run 0 "$bin/airlight-compare" "$work/played.exr" "$work/reference.exr" --fail-above nan_count=0 \
         --fail-above inf_count=0
     ratio=$(sed -n 's/^mean_ratio //p' "$work/stdout")
-    echo "$ratio" | awk '{ exit !($1 > 0.9 && $1 < 1.1) }' || wrong "mean of the picture: $ratio of the reference's"
+    echo "mean ratio $ratio"
+    echo "$ratio" | awk '{ exit !($1 > 0.9 && $1 < 1.12) }' || wrong "mean of the picture: $ratio of the reference's"
 elif [ "$code" != 77 ]; then
     wrong "pictures of a voxel of a million"
 fi
