@@ -25,8 +25,8 @@ static bool cross(const float from[3], const double w[3], double half, double sp
     return span[0] < span[1];
 }
 
-/* Optical depth of the speck alone: trilinear, so peak times w(x) w(y) w(z), w(x) = max(1 - |x| / h, 0). Midpoint
- * rule: with a peak of a million it matters only whether the ray grazes the cube's very edge. */
+/* Optical depth of the speck alone: trilinear, so peak times w(x) w(y) w(z), w(x) = max(1 - |x| / h, 0).
+ * Midpoint rule: with a peak of a million it matters only whether the ray grazes the cube's very edge. */
 static double speck_depth(const float from[3], const double w[3], double h, double peak)
 {
     enum { STEPS = 64 };
