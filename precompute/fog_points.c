@@ -5,14 +5,15 @@
  * y where the ray meets a surface. Each point traces paths over surfaces (Lo) once; wherever such a path
  * crosses fog it takes one place at random and records what J there would count. With J interpolated between
  * the points, L is linear in itself, and Jacobi's iteration adds one order of scattering each time. Weights
- * are positive and add up to at most what absorption leaves, so that it converges as the light does.
+ * add up to at most what absorption leaves, so that it converges as the light does.
  *
  * L is kept as spherical harmonics. A Henyey-Greenstein phase function takes band l times g^l, so that bands
  * are kept until |g|^l is below 1/50, at most ORDER_LIMIT: isotropic fog keeps one number a channel.
  *
  * Points that see many backs of surfaces are inside something and left out. Between the points values are
  * trilinear over those of the eight corners that are seen from the middle of an eighth of the cell: light
- * does not leak through walls. What comes straight from lamps is not in L; their transmittance is kept beside
+ * does not leak through walls. In the place of a corner behind a wall stands what the two points before it
+ * continue to. The scattered light alone is kept too, for surfaces to reflect. What comes straight from lamps is not in L; their transmittance is kept beside
  * it. */
 #include "fog_points.h"
 
@@ -27,16 +28,20 @@
 
 enum {
     POINTS_DEFAULT = 16,
-    SAMPLES_DEFAULT = 128,
+    SAMPLES_LEAST = 32,
+    SAMPLES_MOST = 128,
     ORDER_LIMIT = 6,
     ITERATION_LIMIT = 256,
     CORNERS = 8,
+    ARRIVING_ORDER = 3,
+    ARRIVING_TERMS = ARRIVING_ORDER * ARRIVING_ORDER,
     LOOK_COUNT = 32
 };
 static const double back_limit = 0.25;      /* of the sphere */
 static const double margin_share = 0.1;     /* of the scene's diagonal, around its box */
 static const double converged_share = 1e-3; /* of all light, still to come */
 static const double depth_limit = 4;        /* optical, from point to point */
+static const double edge_cells = 0.25;      /* around the lattice's box */
 
 struct al_fog_points {
     const al_gather *gather;
@@ -46,8 +51,10 @@ struct al_fog_points {
     uint32_t lamps;
     bool *is_inside;      /* something solid: left out */
     float *sh;            /* [point][channel][terms]; spread into left-out points at the end */
+    float *arriving;      /* [point][channel][ARRIVING_TERMS], SH of scattered light alone */
     float *transmittance; /* [point][lamp][channel] */
     uint8_t *seen;        /* [cell][eighth]: one bit a corner; cells from -1 to size-1 */
+    uint16_t *beyond;     /* [cell][eighth]: two bits a corner that is not seen, 1 + its axis_beyond or 0 */
 };
 
 bool al_fog_record_push(al_fog_records *records, const al_fog_record *record)
@@ -146,27 +153,31 @@ static uint32_t corner_of(const al_fog_points *points, const int32_t cell[3], in
     return index;
 }
 
+/* What a place takes from the points around it. */
 typedef struct corners {
-    uint32_t index[CORNERS];
-    double weight[CORNERS];
+    uint32_t index[2 * CORNERS];
+    double weight[2 * CORNERS];
+    int count;
 } corners;
 
-/* Keeps the corners of `mask` and makes their weights add up to 1. False when nothing is left. */
-static bool keep(corners *c, uint32_t mask)
+static void take(corners *c, uint32_t index, double weight)
 {
-    double sum = 0;
-    for (int i = 0; i < CORNERS; i++) sum += mask >> i & 1 ? c->weight[i] : 0;
-    if (!(sum > 1e-6)) return false;
-    for (int i = 0; i < CORNERS; i++) c->weight[i] = mask >> i & 1 ? c->weight[i] / sum : 0;
-    return true;
+    c->index[c->count] = index;
+    c->weight[c->count++] = weight;
 }
 
-static corners corners_at(const al_fog_points *points, const double position[3])
+/* The axis along which a hidden corner is continued from the two points before it, 0 to 2; -1: none. */
+static int axis_beyond(uint16_t beyond, int corner)
 {
-    corners c;
-    double share[3];
+    return (beyond >> 2 * corner & 3) - 1;
+}
+
+/* False where no corner is seen; then all that are in air count. */
+static bool find_corners(const al_fog_points *points, const double position[3], corners *c)
+{
+    double share[3], sum = 0;
     int32_t cell[3];
-    uint32_t eighth = 0, number = 0, outside = 0;
+    uint32_t eighth = 0, number = 0;
     for (int k = 2; k >= 0; k--) {
         double at = (position[k] - points->low[k]) / points->spacing_m[k] - 0.5;
         at = fmin(fmax(at, -0.5), points->size[k] - 0.5);
@@ -175,25 +186,40 @@ static corners corners_at(const al_fog_points *points, const double position[3])
         eighth = eighth << 1 | (share[k] >= 0.5);
         number = number * (points->size[k] + 1) + (uint32_t)(cell[k] + 1);
     }
+    uint8_t seen = points->seen[number * CORNERS + eighth];
+    uint16_t beyond = points->beyond[number * CORNERS + eighth];
+    c->count = 0;
     for (int i = 0; i < CORNERS; i++) {
-        c.index[i] = corner_of(points, cell, i);
-        c.weight[i] = 1;
-        for (int k = 0; k < 3; k++) c.weight[i] *= i >> k & 1 ? share[k] : 1 - share[k];
-        if (!points->is_inside[c.index[i]]) outside |= 1u << i;
+        double weight = 1;
+        uint32_t index = corner_of(points, cell, i);
+        for (int k = 0; k < 3; k++) weight *= i >> k & 1 ? share[k] : 1 - share[k];
+        if (seen ? seen >> i & 1 : !points->is_inside[index]) {
+            take(c, index, weight);
+            sum += weight;
+        } else if (axis_beyond(beyond, i) >= 0) {
+            int k = axis_beyond(beyond, i), before = i ^ 1 << k;
+            int32_t next[3] = {cell[0], cell[1], cell[2]};
+            next[k] += i >> k & 1 ? -1 : 1;
+            take(c, corner_of(points, cell, before), 2 * weight);
+            take(c, corner_of(points, next, before), -weight);
+            sum += weight;
+        }
     }
-    if (!keep(&c, points->seen[number * CORNERS + eighth])) keep(&c, outside);
-    return c;
+    for (int i = 0; i < c->count; i++) c->weight[i] = sum > 1e-6 ? c->weight[i] / sum : 0;
+    return seen && sum > 1e-6;
 }
 
 void al_fog_points_lamp(const al_fog_points *points, uint32_t lamp, const double position[3],
                         double transmittance[3])
 {
-    corners c = corners_at(points, position);
+    corners c;
+    find_corners(points, position, &c);
     transmittance[0] = transmittance[1] = transmittance[2] = 0;
-    for (int i = 0; i < CORNERS; i++) {
+    for (int i = 0; i < c.count; i++) {
         const float *t = points->transmittance + ((size_t)c.index[i] * points->lamps + lamp) * 3;
         for (int k = 0; k < 3; k++) transmittance[k] += c.weight[i] * t[k];
     }
+    for (int k = 0; k < 3; k++) transmittance[k] = fmin(fmax(transmittance[k], 0), 1);
 }
 
 /* Beyond the lattice light thins out as it does around a body of its size. */
@@ -215,7 +241,8 @@ static void scatter(const al_fog_points *points, const float *sh, const double p
                     const double direction[3], double g, double radiance[3])
 {
     double basis[AL_SH_MAX_COUNT] = {0.28209479177387814};
-    corners c = corners_at(points, position);
+    corners c;
+    find_corners(points, position, &c);
     if (points->order > 1) {
         double band = 1;
         al_sh_basis((int)points->order, direction[0], direction[1], direction[2], basis);
@@ -223,8 +250,7 @@ static void scatter(const al_fog_points *points, const float *sh, const double p
             for (uint32_t k = l * l; k < (l + 1) * (l + 1); k++) basis[k] *= band;
     }
     radiance[0] = radiance[1] = radiance[2] = 0;
-    for (int i = 0; i < CORNERS; i++) {
-        if (!(c.weight[i] > 0)) continue;
+    for (int i = 0; i < c.count; i++) {
         const float *from = sh + (size_t)c.index[i] * 3 * points->terms;
         for (int channel = 0; channel < 3; channel++, from += points->terms) {
             double sum = 0;
@@ -241,6 +267,43 @@ void al_fog_points_scatter(const al_fog_points *points, const double position[3]
                            double g, double radiance[3])
 {
     scatter(points, points->sh, position, direction, g, radiance);
+}
+
+double al_fog_points_cell_m(const al_fog_points *points)
+{
+    return fmax(fmax(points->spacing_m[0], points->spacing_m[1]), points->spacing_m[2]);
+}
+
+static bool is_within(const al_fog_points *points, const double position[3])
+{
+    for (int k = 0; k < 3; k++) {
+        double at = (position[k] - points->low[k]) / points->spacing_m[k];
+        if (!(at >= -edge_cells && at <= points->size[k] + edge_cells)) return false;
+    }
+    return true;
+}
+
+/* The clamped cosine's coefficients are pi, 2 pi/3 and pi/4. */
+bool al_fog_points_irradiance(const al_fog_points *points, const double position[3], const double normal[3],
+                              double irradiance[3])
+{
+    double basis[AL_SH_MAX_COUNT], before[3];
+    corners c;
+    for (int k = 0; k < 3; k++) before[k] = position[k] + 0.5 * points->spacing_m[k] * normal[k];
+    if (!is_within(points, position) || !find_corners(points, before, &c)) return false;
+    al_sh_basis(ARRIVING_ORDER, normal[0], normal[1], normal[2], basis);
+    for (int k = 0; k < ARRIVING_TERMS; k++) basis[k] *= k < 1 ? AL_PI : k < 4 ? 2 * AL_PI / 3 : AL_PI / 4;
+    irradiance[0] = irradiance[1] = irradiance[2] = 0;
+    for (int i = 0; i < c.count; i++) {
+        const float *from = points->arriving + (size_t)c.index[i] * 3 * ARRIVING_TERMS;
+        for (int channel = 0; channel < 3; channel++, from += ARRIVING_TERMS) {
+            double sum = 0;
+            for (int k = 0; k < ARRIVING_TERMS; k++) sum += basis[k] * from[k];
+            irradiance[channel] += c.weight[i] * sum;
+        }
+    }
+    for (int k = 0; k < 3; k++) irradiance[k] = fmax(0, irradiance[k]);
+    return true;
 }
 
 /* --- building --- */
@@ -345,14 +408,35 @@ static bool look_at_corners(void *user, unsigned number, unsigned thread)
     return go_on(b, number, cell_count(points), thread);
 }
 
+/* A corner behind a wall is continued from the one before it and the next in line, where both are seen from
+ * this side: in the next cell the first of them stands where the corner stands in its own. */
+static bool look_beyond(void *user, unsigned number, unsigned thread)
+{
+    building *b = user;
+    al_fog_points *points = b->points;
+    uint32_t stride = 1, rest = number;
+    for (int k = 0; k < 3; rest /= points->size[k] + 1, stride *= points->size[k] + 1, k++)
+        for (uint32_t place = number * CORNERS; place < (number + 1) * CORNERS; place++)
+            for (int i = 0; i < CORNERS; i++) {
+                uint32_t at = rest % (points->size[k] + 1), side = (uint32_t)i >> k & 1;
+                if (points->seen[place] >> i & 1 || !(points->seen[place] >> (i ^ 1 << k) & 1)) continue;
+                if (points->beyond[place] >> 2 * i & 3 || (side ? at == 0 : at == points->size[k])) continue;
+                uint32_t eighth = (place % CORNERS & ~(1u << k)) | side << k;
+                uint8_t next = points->seen[(side ? number - stride : number + stride) * CORNERS + eighth];
+                if (next >> i & 1 && next >> (i ^ 1 << k) & 1)
+                    points->beyond[place] |= (uint16_t)((k + 1) << 2 * i);
+            }
+    return go_on(b, number, cell_count(points), thread);
+}
+
 /* Adds radiance from a direction, times solid angle. */
-static void project(const al_fog_points *points, const double direction[3], const double power[3], float *sh)
+static void project(uint32_t order, const double direction[3], const double power[3], float *sh)
 {
     double basis[AL_SH_MAX_COUNT];
-    al_sh_basis((int)points->order, direction[0], direction[1], direction[2], basis);
-    for (int c = 0; c < 3; c++)
-        for (uint32_t k = 0; k < points->terms; k++)
-            sh[(uint32_t)c * points->terms + k] += (float)(basis[k] * power[c]);
+    uint32_t terms = order * order;
+    al_sh_basis((int)order, direction[0], direction[1], direction[2], basis);
+    for (uint32_t c = 0; c < 3; c++)
+        for (uint32_t k = 0; k < terms; k++) sh[c * terms + k] += (float)(basis[k] * power[c]);
 }
 
 static void add_lights(building *b, al_gather_scratch *scratch, const al_gather_vertex *vertex,
@@ -365,16 +449,17 @@ static void add_lights(building *b, al_gather_scratch *scratch, const al_gather_
         for (int c = 0; c < 3; c++)
             power[c] =
                 found.share * found.light.power[c] * found.light.facing * found.transmittance[c] / b->samples;
-        project(b->points, found.light.direction, power, straight);
+        project(b->points->order, found.light.direction, power, straight);
     }
 }
 
 static bool trace_path(building *b, al_gather_scratch *scratch, const al_gather_vertex *vertex,
                        uint32_t index, al_sequence *sequence)
 {
-    double u[2], straight[3], others[3], carried[3];
+    double u[2], straight[3], others[3], scattered[3], carried[3];
     al_gather_way way;
     way.asks = false;
+    way.scatters = true;
     way.places = 0; /* recorded instead */
     al_sequence_pair(sequence, u);
     al_gather_draw(vertex, u, way.ray.direction, &way.density_per_sr);
@@ -389,10 +474,15 @@ static bool trace_path(building *b, al_gather_scratch *scratch, const al_gather_
         straight[c] = carried[c] * way.transmittance[c] * way.emitted[c];
         others[c] = carried[c] * (way.transmittance[c] * (way.sent[AL_GATHER_TOTAL][c] - way.emitted[c]) +
                                   way.scattered[c]);
+        scattered[c] = carried[c] * (way.transmittance[c] *
+                                         (way.sent[AL_GATHER_TOTAL][c] - way.sent[AL_GATHER_ATTENUATED][c]) +
+                                     way.scattered[c]);
     }
     size_t at = (size_t)index * 3 * b->points->terms;
-    project(b->points, way.ray.direction, straight, b->straight + at);
-    project(b->points, way.ray.direction, others, b->fixed + at);
+    project(b->points->order, way.ray.direction, straight, b->straight + at);
+    project(b->points->order, way.ray.direction, others, b->fixed + at);
+    project(ARRIVING_ORDER, way.ray.direction, scattered,
+            b->points->arriving + (size_t)index * 3 * ARRIVING_TERMS);
     return true;
 }
 
@@ -400,7 +490,7 @@ static bool trace_point(void *user, unsigned index, unsigned thread)
 {
     building *b = user;
     al_gather_scratch *scratch = b->scratches[thread];
-    al_gather_vertex vertex = {.in_air = true};
+    al_gather_vertex vertex = {.in_air = true, .scatters = true};
     place_point(b->points, index, vertex.position);
     scratch->record = &b->records[index];
     for (uint32_t i = 0; i < b->samples && !b->points->is_inside[index]; i++) {
@@ -412,13 +502,10 @@ static bool trace_point(void *user, unsigned index, unsigned thread)
     return go_on(b, index, b->points->count, thread);
 }
 
-/* One step of the iteration at one point. */
-static bool collect(void *user, unsigned index, unsigned thread)
+/* Adds what the fog scatters into a point's paths. */
+static void add_records(const building *b, unsigned index, uint32_t order, float *sh)
 {
-    building *b = user;
-    size_t numbers = 3 * (size_t)b->points->terms, at = index * numbers;
     const al_fog_records *records = &b->records[index];
-    for (size_t k = 0; k < numbers; k++) b->next[at + k] = b->fixed[at + k] + b->straight[at + k];
     for (uint32_t i = 0; i < records->count && !b->points->is_inside[index]; i++) {
         const al_fog_record *r = &records->list[i];
         double position[3], direction[3], first[3], radiance[3];
@@ -429,8 +516,25 @@ static bool collect(void *user, unsigned index, unsigned thread)
         }
         scatter(b->points, b->points->sh, position, direction, r->g, radiance);
         for (int k = 0; k < 3; k++) radiance[k] *= r->weight[k];
-        project(b->points, first, radiance, b->next + at);
+        project(order, first, radiance, sh);
     }
+}
+
+/* One step of the iteration at one point. */
+static bool collect(void *user, unsigned index, unsigned thread)
+{
+    building *b = user;
+    size_t numbers = 3 * (size_t)b->points->terms, at = index * numbers;
+    for (size_t k = 0; k < numbers; k++) b->next[at + k] = b->fixed[at + k] + b->straight[at + k];
+    add_records(b, index, b->points->order, b->next + at);
+    return go_on(b, index, b->points->count, thread);
+}
+
+/* Light that goes through the fog's last event on the way to a point, when all of it is known. */
+static bool collect_arriving(void *user, unsigned index, unsigned thread)
+{
+    building *b = user;
+    add_records(b, index, ARRIVING_ORDER, b->points->arriving + (size_t)index * 3 * ARRIVING_TERMS);
     return go_on(b, index, b->points->count, thread);
 }
 
@@ -492,6 +596,7 @@ static bool iterate(building *b)
         }
         memcpy(points->sh, b->next, sizeof(float) * numbers);
     }
+    if (!al_parallel(b->gather->options.threads, points->count, collect_arriving, b)) return false;
     if (b->gather->options.walls != AL_WALLS_TRACED) return true;
     for (size_t k = 0; k < numbers; k++) points->sh[k] -= b->straight[k];
     return true;
@@ -540,16 +645,19 @@ static bool allocate(building *b, unsigned threads)
     size_t numbers = 3 * (size_t)points->terms * points->count;
     points->is_inside = calloc(points->count, sizeof *points->is_inside);
     points->sh = calloc(numbers, sizeof *points->sh);
+    points->arriving = calloc((size_t)points->count * 3 * ARRIVING_TERMS, sizeof *points->arriving);
     points->transmittance = calloc((size_t)points->count * points->lamps * 3 + 1, sizeof(float));
-    points->seen = calloc((size_t)cell_count(points) * CORNERS, 1);
+    points->seen = calloc((size_t)cell_count(points) * CORNERS, sizeof *points->seen);
+    points->beyond = calloc((size_t)cell_count(points) * CORNERS, sizeof *points->beyond);
     b->records = calloc(points->count, sizeof *b->records);
     b->fixed = calloc(numbers, sizeof(float));
     b->straight = calloc(numbers, sizeof(float));
     b->next = calloc(numbers, sizeof(float));
     b->known = calloc(points->count, sizeof *b->known);
     b->scratches = calloc(threads, sizeof *b->scratches);
-    bool done = points->is_inside && points->sh && points->transmittance && points->seen && b->records &&
-                b->fixed && b->straight && b->next && b->known && b->scratches;
+    bool done = points->is_inside && points->sh && points->arriving && points->transmittance &&
+                points->seen && points->beyond && b->records && b->fixed && b->straight && b->next &&
+                b->known && b->scratches;
     for (unsigned i = 0; done && i < threads; i++)
         done = (b->scratches[i] = al_gather_scratch_new(b->gather)) != NULL;
     return done;
@@ -588,8 +696,8 @@ static bool find_air(building *b)
 static bool build(building *b)
 {
     al_fog_points *points = b->points;
-    if (!pass(b, cell_count(points), look_at_corners) || !pass(b, points->count, look_at_lamps) ||
-        !pass(b, points->count, trace_point) || !iterate(b))
+    if (!pass(b, cell_count(points), look_at_corners) || !pass(b, cell_count(points), look_beyond) ||
+        !pass(b, points->count, look_at_lamps) || !pass(b, points->count, trace_point) || !iterate(b))
         return false;
     spread(points, b->known);
     return true;
@@ -599,8 +707,7 @@ static bool build(building *b)
  * densest channel. */
 static double mean_depth(const al_fog_points *points)
 {
-    double sums[3] = {0},
-           widest = fmax(fmax(points->spacing_m[0], points->spacing_m[1]), points->spacing_m[2]);
+    double sums[3] = {0}, widest = al_fog_points_cell_m(points);
     uint32_t counted = 0;
     for (uint32_t i = 0; i < points->count; i++) {
         al_ray ray = {.direction = {1, 0, 0}};
@@ -641,16 +748,24 @@ static al_status check_growth(const building *b, al_error *error)
         b->gather->path, b->points->count, b->gather->fog.g_limit);
 }
 
+/* The points need not be better than what is gathered from them. */
+static uint32_t samples_of(const al_gather_options *options)
+{
+    if (options->fog_samples) return options->fog_samples;
+    if (options->samples < SAMPLES_LEAST) return SAMPLES_LEAST;
+    return options->samples < SAMPLES_MOST ? options->samples : SAMPLES_MOST;
+}
+
 al_status al_fog_points_create(al_gather *gather, al_error *error)
 {
     unsigned threads = al_parallel_threads(gather->options.threads);
     al_fog_points *points = calloc(1, sizeof *points);
-    building b = {.points = points, .gather = gather, .total = 5};
+    building b = {.points = points, .gather = gather, .total = 6};
     if (!points) return al_fail(error, AL_IO, "out of memory for the light in the fog");
     gather->points = points;
     points->gather = gather;
     points->lamps = gather->lights.scene->light_count;
-    b.samples = gather->options.fog_samples ? gather->options.fog_samples : SAMPLES_DEFAULT;
+    b.samples = samples_of(&gather->options);
     place_lattice(points);
     choose_order(points);
     bool done = allocate(&b, threads) && find_air(&b);
@@ -669,7 +784,9 @@ void al_fog_points_free(al_fog_points *points)
     if (!points) return;
     free(points->is_inside);
     free(points->sh);
+    free(points->arriving);
     free(points->transmittance);
     free(points->seen);
+    free(points->beyond);
     free(points);
 }

@@ -28,6 +28,12 @@ void al_fog_points_free(al_fog_points *points);
  * sky. */
 void al_fog_points_scatter(const al_fog_points *points, const double position[3], const double direction[3],
                            double g, double radiance[3]);
+/* Irradiance, W/m2, of light scattered once or more often on a surface at `position` with its unit `normal`.
+ * False where no point knows. */
+bool al_fog_points_irradiance(const al_fog_points *points, const double position[3], const double normal[3],
+                              double irradiance[3]);
+/* The longest edge of the lattice's cells. */
+double al_fog_points_cell_m(const al_fog_points *points);
 /* Transmittance from a lamp of the scene, shadows included. */
 void al_fog_points_lamp(const al_fog_points *points, uint32_t lamp, const double position[3],
                         double transmittance[3]);

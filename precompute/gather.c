@@ -86,6 +86,7 @@ void al_gather_scratch_free(al_gather_scratch *scratch)
 /* --- a point --- */
 
 static const double back_shift_texels = 0.125;
+enum { PATHS_PER_WAY = 4, WAYS_LEAST = 16 };
 
 typedef struct summing {
     const al_gather *gather;
@@ -94,12 +95,17 @@ typedef struct summing {
     al_gathered *out;
 } summing;
 
+static double cosine_of(const summing *s, const double direction[3])
+{
+    const double *normal = s->vertex.normal;
+    return normal[0] * direction[0] + normal[1] * direction[1] + normal[2] * direction[2];
+}
+
 /* Adds radiance from one direction, times solid angle, to a layer. */
 static void add(summing *s, al_gather_layer layer, const double direction[3], const double basis[],
                 const double power[3])
 {
-    const double *normal = s->vertex.normal;
-    double cosine = normal[0] * direction[0] + normal[1] * direction[1] + normal[2] * direction[2];
+    double cosine = cosine_of(s, direction);
     double *irradiance[] = {s->out->surface, s->out->attenuated, s->out->scattered};
     uint32_t order = s->gather->options.sh_order, count = order * order;
     for (int c = 0; c < 3; c++) {
@@ -160,37 +166,75 @@ static void add_response_of_way(summing *s, const al_gather_way *way, double sha
     add_response(s, &source, power);
 }
 
+/* A way that light arrives along, its power per radiance in `share`. False without memory. */
+static bool follow(summing *s, al_sequence *sequence, double weight, al_gather_way *way, double *share)
+{
+    double u[2];
+    *share = 0;
+    way->asks = s->vertex.asks;
+    way->scatters = s->vertex.scatters;
+    way->places = AL_GATHER_FIRST_PLACES;
+    al_sequence_pair(sequence, u);
+    al_gather_draw(&s->vertex, u, way->ray.direction, &way->density_per_sr);
+    if (!(way->density_per_sr > 0)) return true;
+    al_gather_origin(&s->vertex, way->ray.direction, way->ray.origin);
+    bool behind = !s->vertex.in_air && cosine_of(s, way->ray.direction) <= 0;
+    if (behind && !s->vertex.looks_back) return true;
+    *share = weight / way->density_per_sr;
+    double carried[3] = {*share, *share, *share};
+    return al_gather_follow(s->gather, s->scratch, s->gather->options.bounces, carried, 1, sequence, way);
+}
+
+/* From here on ways carry what fog points know, and some are drawn about the lamp that glows brightest. */
+static void look_for_scattered(summing *s)
+{
+    s->vertex.scatters = true;
+    al_gather_find_glow(s->gather, &s->vertex);
+}
+
+static void fill_scattered(const al_gather_way *way, double share, double scattered[3])
+{
+    for (int c = 0; c < 3; c++)
+        scattered[c] = share * (way->transmittance[c] *
+                                    (way->sent[AL_GATHER_TOTAL][c] - way->sent[AL_GATHER_ATTENUATED][c]) +
+                                way->scattered[c]);
+}
+
 static bool add_path(summing *s, al_sequence *sequence, double weight)
 {
-    double u[2], basis[AL_SH_MAX_COUNT], plain[3], through[3], scattered[3];
+    double basis[AL_SH_MAX_COUNT], plain[3], through[3], scattered[3], share;
     al_gather_way way;
-    way.asks = s->gather->responds;
-    way.places = AL_GATHER_FIRST_PLACES;
-    al_sequence_pair(sequence, u);
-    al_gather_draw(&s->vertex, u, way.ray.direction, &way.density_per_sr);
-    if (!(way.density_per_sr > 0)) return true;
-    al_gather_origin(&s->vertex, way.ray.direction, way.ray.origin);
-    const double *normal = s->vertex.normal;
-    bool behind = !s->vertex.in_air && normal[0] * way.ray.direction[0] + normal[1] * way.ray.direction[1] +
-                                               normal[2] * way.ray.direction[2] <=
-                                           0;
-    if (behind && !s->vertex.looks_back) return true;
-    double share = weight / way.density_per_sr, carried[3] = {share, share, share};
-    if (!al_gather_follow(s->gather, s->scratch, s->gather->options.bounces, carried, 1, sequence, &way))
-        return false;
+    if (!follow(s, sequence, weight, &way, &share)) return false;
+    if (!(share > 0)) return true;
+    if (s->gather->responds) add_response_of_way(s, &way, share);
+    if (!s->vertex.in_air && cosine_of(s, way.ray.direction) <= 0) return true;
     for (int c = 0; c < 3; c++) {
         plain[c] = share * way.sent[AL_GATHER_SURFACE][c];
         through[c] = share * way.transmittance[c] * way.sent[AL_GATHER_ATTENUATED][c];
-        scattered[c] = share * way.transmittance[c] * way.sent[AL_GATHER_TOTAL][c] - through[c] +
-                       share * way.scattered[c];
     }
-    if (s->gather->responds) add_response_of_way(s, &way, share);
-    if (behind) return true;
+    fill_scattered(&way, share, scattered);
     fill_basis(s, way.ray.direction, basis);
     add(s, AL_GATHER_SURFACE, way.ray.direction, basis, plain);
     add(s, AL_GATHER_ATTENUATED, way.ray.direction, basis, through);
     add(s, AL_GATHER_SCATTERED, way.ray.direction, basis, scattered);
     if (way.met && !way.hit.front && !way.hit.material->double_sided) s->out->back_share += weight;
+    return true;
+}
+
+/* Bounded walls: scattered light is smooth. It needs fewer ways, and most end at the first surface. */
+static bool add_scattered(summing *s, uint32_t ways, uint64_t seed)
+{
+    look_for_scattered(s);
+    for (uint32_t i = 0; i < ways; i++) {
+        al_sequence sequence = {.index = i, .seed = al_mix_bits(seed)};
+        double basis[AL_SH_MAX_COUNT], scattered[3], share;
+        al_gather_way way;
+        if (!follow(s, &sequence, 1.0 / ways, &way, &share)) return false;
+        if (!(share > 0)) continue;
+        fill_scattered(&way, share, scattered);
+        fill_basis(s, way.ray.direction, basis);
+        add(s, AL_GATHER_SCATTERED, way.ray.direction, basis, scattered);
+    }
     return true;
 }
 
@@ -209,12 +253,15 @@ bool al_gather_point(const al_gather *gather, al_gather_scratch *scratch, const 
         s.vertex.normal[k] = normal ? normal[k] : 0;
         s.vertex.position[k] = position[k] + (s.vertex.looks_back ? shift_m * normal[k] : 0);
     }
-    al_gather_find_glow(gather, &s.vertex);
+    bool smooth = gather->points && gather->options.walls == AL_WALLS_BOUNDED;
+    if (gather->points && !smooth) look_for_scattered(&s);
     uint32_t samples = gather->options.samples ? gather->options.samples : 1;
     for (uint32_t i = 0; i < samples; i++) {
         al_sequence sequence = {.index = i, .seed = al_mix_bits(seed + 1)};
         add_lights(&s, &sequence, 1.0 / samples);
         if (!add_path(&s, &sequence, 1.0 / samples)) return false;
     }
-    return true;
+    if (!smooth) return true;
+    uint32_t ways = samples / PATHS_PER_WAY;
+    return add_scattered(&s, ways > WAYS_LEAST ? ways : WAYS_LEAST, seed + 2);
 }

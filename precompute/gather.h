@@ -16,19 +16,21 @@
 enum { AL_GATHER_SH_COUNT = 64 }; /* of order 8 */
 
 typedef struct al_gather_options {
-    uint32_t samples;  /* paths a point, 1 or more; powers of two are spread best */
+    /* Paths a point, 1 or more; powers of two are spread best. Of bounded walls scattered light is gathered
+     * by a quarter as many ways, at least 16; of traced walls by as many. */
+    uint32_t samples;
     uint32_t bounces;  /* diffuse reflections on a path; 0: light that comes straight from lights and fog */
     bool fog;          /* false: `scattered` is 0 and `attenuated` equals `surface` */
     al_walls walls;    /* how scattered light is kept from passing through walls */
     bool back_scatter; /* published walls: gather over the whole sphere, the receiver shifted */
     double back_scatter_shift_m; /* along its normal; 0: 0.125 of the texel's edge */
     uint32_t sh_order;           /* bands of incident radiance, 0 (none) to 8 */
-    bool lamps_apart; /* leave out what point and directional lights send straight to the point */
+    bool lamps_apart;            /* leave out what point and directional lights send straight to the point */
     unsigned threads;            /* of al_gather_open; 0: one per core */
     uint32_t seed;               /* of al_gather_open */
     /* Bounded and traced walls: points in the fog along the longest edge of their box; 0: 16. */
     uint32_t fog_points;
-    uint32_t fog_samples; /* paths from each; 0: 128 */
+    uint32_t fog_samples; /* paths from each; 0: as many as `samples`, 32 to 128 */
     /* Called by the caller's thread now and then while opening; true stops (AL_CANCELLED). May be NULL. */
     bool (*on_progress)(void *user, double done, double total);
     void *user;

@@ -11,6 +11,7 @@
 #include <math.h>
 
 #include "airlight/formulas.h"
+#include "fog_points.h"
 #include "gather_response.h"
 #include "gather_scatter.h"
 
@@ -119,7 +120,7 @@ void al_gather_find_glow(const al_gather *gather, al_gather_vertex *vertex)
 {
     const al_scene *scene = gather->lights.scene;
     double brightest = 0;
-    for (uint32_t i = 0; gather->points && i < scene->light_count; i++) {
+    for (uint32_t i = 0; vertex->scatters && i < scene->light_count; i++) {
         const al_light *light = &scene->lights[i];
         double to[3], square = 0;
         if (light->type != AL_LIGHT_POINT) continue;
@@ -212,6 +213,7 @@ static bool estimate(const al_gather *gather, al_gather_scratch *scratch, const 
     double arrives = cosine / way.density_per_sr;
     for (int c = 0; c < 3; c++) ahead[c] = arrives * carried[c];
     way.asks = vertex->asks;
+    way.scatters = vertex->scatters;
     way.places = AL_GATHER_LATER_PLACES;
     if (!al_gather_follow(gather, scratch, bounces, ahead, importance, sequence, &way)) return false;
     if (way.asks && al_gather_source_of_way(&way, &source, &scale)) {
@@ -246,6 +248,20 @@ static void add_emission(const al_gather *gather, al_gather_way *way)
     }
 }
 
+/* Scattered light that falls on the far end and is reflected, as the fog points know it: not what differs
+ * from place to place within a cell, so that a way must be longer than one. */
+static bool add_known_reflection(const al_gather *gather, const al_gather_scratch *scratch,
+                                 al_gather_way *way)
+{
+    double irradiance[3];
+    if (!way->scatters || gather->options.walls == AL_WALLS_TRACED || scratch->record) return false;
+    if (way->hit.distance_m < al_fog_points_cell_m(gather->points)) return false;
+    al_gather_vertex vertex = al_gather_vertex_of(&way->hit);
+    if (!al_fog_points_irradiance(gather->points, vertex.position, vertex.normal, irradiance)) return false;
+    for (int c = 0; c < 3; c++) way->sent[AL_GATHER_TOTAL][c] += way->hit.albedo[c] / AL_PI * irradiance[c];
+    return true;
+}
+
 /* What the far end reflects. `carried` is of the radiance it sends. */
 static bool add_reflection(const al_gather *gather, al_gather_scratch *scratch, uint32_t bounces,
                            const double carried[3], double importance, al_sequence *sequence,
@@ -266,7 +282,8 @@ static bool add_reflection(const al_gather *gather, al_gather_scratch *scratch, 
         reflected[k] = hit->albedo[k] / (AL_PI * survival);
         ahead[k] = carried[k] * reflected[k];
     }
-    vertex.asks = gather->responds;
+    vertex.asks = way->asks;
+    vertex.scatters = way->scatters;
     al_gather_find_glow(gather, &vertex);
     if (!estimate(gather, scratch, &vertex, bounces - 1, ahead, importance / survival, sequence, irradiance))
         return false;
@@ -305,12 +322,13 @@ bool al_gather_follow(const al_gather *gather, al_gather_scratch *scratch, uint3
         for (int layer = 0; layer < AL_GATHER_LAYER_COUNT; layer++) way->sent[layer][c] = 0;
     }
     way->met = al_ray_scene_hit(gather->rays, &way->ray, INFINITY, &way->hit);
-    if (gather->points && !pass_points(gather, scratch, carried, sequence, way)) return false;
+    if (way->scatters && !pass_points(gather, scratch, carried, sequence, way)) return false;
     add_emission(gather, way);
     for (int c = 0; c < 3; c++) ahead[c] = carried[c] * way->transmittance[c];
-    if (way->met && bounces && !add_reflection(gather, scratch, bounces, ahead, importance, sequence, way))
+    if (way->met && bounces && !add_known_reflection(gather, scratch, way) &&
+        !add_reflection(gather, scratch, bounces, ahead, importance, sequence, way))
         return false;
-    if (gather->points || al_gather_is_dark(way)) return true;
+    if (way->scatters || al_gather_is_dark(way)) return true;
     return pass_evenly(gather, scratch, &way->ray, way->met ? way->hit.distance_m : INFINITY, way->asks,
                        way->transmittance, &way->fog);
 }

@@ -13,6 +13,7 @@ typedef struct al_gather_way {
     al_ray ray;
     double density_per_sr; /* of drawing the direction */
     bool asks;             /* whether `fog` is wanted */
+    bool scatters;         /* whether `scattered` is wanted of the fog points */
     uint32_t places;       /* distances drawn for the fog points' light: AL_GATHER_FIRST_PLACES or _LATER_ */
     bool met;              /* a surface ends it */
     al_surface_hit hit;
@@ -48,7 +49,7 @@ bool al_gather_look(const al_gather *gather, al_gather_scratch *scratch, const a
 /* The side of a surface that a ray met. */
 al_gather_vertex al_gather_vertex_of(const al_surface_hit *hit);
 
-/* Where the fog scatters by points: lets directions be drawn about the point lamp that glows brightest there,
+/* Where light of the fog points counts: lets directions be drawn about the point lamp that glows brightest there,
  * by its intensity over the distance. */
 void al_gather_find_glow(const al_gather *gather, al_gather_vertex *vertex);
 

@@ -26,9 +26,10 @@ static double dot(const double a[3], const double b[3])
 
 typedef struct place {
     const al_fog_cell *cell; /* NULL: in vacuum */
-    double distance_m, density_per_m;
+    double distance_m;
     double position[3];
-    double power[3]; /* transmittance to the ray's origin times sigma_s over density_per_m */
+    double
+        power[3]; /* transmittance to the ray's origin times sigma_s over the density of drawing the place */
 } place;
 
 /* --- drawing distances --- */
@@ -54,37 +55,43 @@ static const al_fog_cell *cell_at(const al_fog_path *fog, double distance_m)
     return distance_m >= cell->begin_m && distance_m <= cell->end_m ? cell : NULL;
 }
 
-/* The channels that a distance is drawn for: one stands for all in grey fog. */
-typedef struct channels {
-    int first, end;
-} channels;
+/* How distances on a ray are drawn: in proportion to sigma_t T, the mean over the channels with any depth;
+ * one stands for all in grey fog. */
+typedef struct flight {
+    const al_fog_path *fog;
+    const al_ray *ray;
+    int channels[3], count;
+    double lost[3]; /* per channel: 1 - T of the whole ray */
+} flight;
 
-static channels channels_of(const al_gather *gather)
+/* For the channels from `first` to before `end`. */
+static flight flight_along(const al_fog_path *fog, const al_ray *ray, int first, int end)
 {
-    return (channels){0, gather->fog.grey ? 1 : 3};
+    flight f = {.fog = fog, .ray = ray};
+    for (int c = first; c < end; c++) {
+        f.lost[c] = -expm1(-fog->depth[c]);
+        if (f.lost[c] > 0) f.channels[f.count++] = c;
+    }
+    return f;
 }
 
-/* Per metre: the mean over channels with any depth of sigma_t T / (1 - T of the whole ray). */
-static double flight_density(const al_fog_path *fog, channels of, const al_fog_cell *cell, double distance_m)
+/* Per metre: the mean over the channels of sigma_t T / (1 - T of the whole ray). */
+static double flight_density(const flight *f, const al_fog_cell *cell, double distance_m)
 {
     double density = 0;
-    int used = 0;
-    for (int c = of.first; c < of.end; c++) {
-        if (!(fog->depth[c] > 0)) continue;
-        used++;
-        density += cell->sigma_t_per_m[c] * exp(-depth_at(cell, distance_m, c)) / -expm1(-fog->depth[c]);
+    for (int i = 0; i < f->count; i++) {
+        int c = f->channels[i];
+        density += cell->sigma_t_per_m[c] * exp(-depth_at(cell, distance_m, c)) / f->lost[c];
     }
-    return density / used;
+    return density / f->count;
 }
 
 /* A distance with that density: the channel by the first digits of u, then the depth's inverse. */
-static double draw_flight(const al_fog_path *fog, channels of, double u)
+static double draw_flight(const flight *f, double u)
 {
-    int deep[3], used = 0;
-    for (int c = of.first; c < of.end; c++)
-        if (fog->depth[c] > 0) deep[used++] = c;
-    int picked = (int)fmin(u * used, used - 1), c = deep[picked];
-    double depth = -log1p((u * used - picked) * expm1(-fog->depth[c]));
+    const al_fog_path *fog = f->fog;
+    int picked = (int)fmin(u * f->count, f->count - 1), c = f->channels[picked];
+    double depth = -log1p(-(u * f->count - picked) * f->lost[c]);
     uint32_t low = 0, high = fog->count;
     while (high - low > 1) {
         uint32_t middle = low + (high - low) / 2;
@@ -98,19 +105,37 @@ static double draw_flight(const al_fog_path *fog, channels of, double u)
     return fmin(cell->begin_m + fmax(0, into), cell->end_m); /* a NaN of 0/0 is 0 */
 }
 
-static void fill_place(const al_fog_path *fog, channels of, const al_ray *ray, double distance_m, place *out)
+/* False in vacuum. */
+static bool find_place(const flight *f, double distance_m, place *out)
 {
     out->distance_m = distance_m;
-    out->cell = cell_at(fog, distance_m);
-    for (int k = 0; k < 3; k++) out->position[k] = ray->origin[k] + distance_m * ray->direction[k];
-    out->density_per_m = out->cell ? flight_density(fog, of, out->cell, distance_m) : 0;
+    out->cell = cell_at(f->fog, distance_m);
+    for (int k = 0; k < 3; k++) out->position[k] = f->ray->origin[k] + distance_m * f->ray->direction[k];
+    return out->cell != NULL;
 }
 
-static void fill_power(place *out)
+static void fill_power(place *out, double density_per_m)
 {
+    const al_fog_cell *cell = out->cell;
     for (int c = 0; c < 3; c++)
-        out->power[c] =
-            out->cell->sigma_s_per_m[c] * exp(-depth_at(out->cell, out->distance_m, c)) / out->density_per_m;
+        out->power[c] = cell->sigma_s_per_m[c] * exp(-depth_at(cell, out->distance_m, c)) / density_per_m;
+}
+
+/* A place drawn by u. Of one channel T and sigma_t cancel, and grey fog's power is that of every channel.
+ * False in vacuum. */
+static bool fly(const flight *f, double u, place *out)
+{
+    if (!find_place(f, draw_flight(f, u), out)) return false;
+    if (f->count > 1) {
+        double density_per_m = flight_density(f, out->cell, out->distance_m);
+        if (density_per_m > 0) fill_power(out, density_per_m);
+        return density_per_m > 0;
+    }
+    int c = f->channels[0];
+    double sigma_t = out->cell->sigma_t_per_m[c];
+    for (int k = 0; k < 3 && sigma_t > 0; k++)
+        out->power[k] = out->cell->sigma_s_per_m[k] / sigma_t * f->lost[c];
+    return sigma_t > 0;
 }
 
 /* Equal angles about a light whose foot on the ray is foot_m away and height_m off it. */
@@ -135,24 +160,19 @@ static angles angles_about(const al_fog_path *fog, const al_ray *ray, const doub
 }
 
 /* Draws the distance anew, half by equal angles, for light from a point. False in vacuum. */
-static bool redraw(const al_gather *gather, const al_fog_path *fog, const al_ray *ray, const double target[3],
-                   const double u[2], place *out)
+static bool redraw(const flight *f, const double target[3], const double u[2], place *out)
 {
-    angles a = angles_about(fog, ray, target);
-    channels of = channels_of(gather);
-    double width = a.last - a.first, distance_m;
+    angles a = angles_about(f->fog, f->ray, target);
+    double width = a.last - a.first;
     if (!(width > 0)) return true; /* from very far: the place stands */
-    if (u[1] < 0.5)
-        distance_m = draw_flight(fog, of, u[0]);
-    else
-        distance_m = a.foot_m + a.height_m * tan(a.first + u[0] * width);
-    fill_place(fog, of, ray, distance_m, out);
-    if (!out->cell) return false;
-    double off = distance_m - a.foot_m;
-    out->density_per_m =
-        0.5 * (out->density_per_m + a.height_m / (width * (a.height_m * a.height_m + off * off)));
-    fill_power(out);
-    return out->density_per_m > 0;
+    double distance_m =
+        u[1] < 0.5 ? draw_flight(f, u[0]) : a.foot_m + a.height_m * tan(a.first + u[0] * width);
+    if (!find_place(f, distance_m, out)) return false;
+    double off = distance_m - a.foot_m,
+           by_angle = a.height_m / (width * (a.height_m * a.height_m + off * off));
+    double density_per_m = 0.5 * (flight_density(f, out->cell, distance_m) + by_angle);
+    fill_power(out, density_per_m);
+    return density_per_m > 0;
 }
 
 /* --- light --- */
@@ -172,7 +192,7 @@ static void trace_transmittance(const al_gather *gather, const double position[3
 }
 
 /* Light of one kind, scattered once, at or near the place. */
-static void add_once(const al_gather *gather, al_gather_scratch *scratch, al_light_kind kind, place at,
+static void add_once(const al_gather *gather, const flight *f, al_light_kind kind, place at,
                      al_sequence *sequence, al_gather_way *way)
 {
     al_light_sample light;
@@ -180,7 +200,7 @@ static void add_once(const al_gather *gather, al_gather_scratch *scratch, al_lig
     if (!al_gather_light_sample(&gather->lights, kind, at.position, NULL, sequence, &light)) return;
     if (isfinite(light.distance_m)) {
         al_sequence_pair(sequence, u);
-        if (!redraw(gather, &scratch->fog, &way->ray, light.target, u, &at)) return;
+        if (!redraw(f, light.target, u, &at)) return;
         if (!al_gather_light_move(&light, at.position)) return;
     }
     if (gather->options.walls == AL_WALLS_TRACED)
@@ -199,11 +219,8 @@ static bool record(const al_gather *gather, al_gather_scratch *scratch, const do
 {
     for (int c = 0; c < (gather->fog.grey ? 1 : 3); c++) {
         place at;
-        channels of = {c, c + 1};
-        if (!(scratch->fog.depth[c] > 0)) continue;
-        fill_place(&scratch->fog, of, &way->ray, draw_flight(&scratch->fog, of, u), &at);
-        if (!at.cell || !(at.density_per_m > 0)) continue;
-        fill_power(&at);
+        flight f = flight_along(&scratch->fog, &way->ray, c, c + 1);
+        if (!f.count || !fly(&f, u, &at)) continue;
         al_fog_record made = {.g = (float)at.cell->g};
         for (int k = 0; k < 3; k++) {
             made.position[k] = (float)at.position[k];
@@ -216,15 +233,12 @@ static bool record(const al_gather *gather, al_gather_scratch *scratch, const do
 }
 
 /* Light that the fog points know, at evenly dealt distances. */
-static void add_others(const al_gather *gather, const al_fog_path *fog, double u, al_gather_way *way)
+static void add_others(const al_gather *gather, const flight *f, double u, al_gather_way *way)
 {
-    channels of = channels_of(gather);
     for (uint32_t i = 0; i < way->places; i++) {
         place at;
         double radiance[3];
-        fill_place(fog, of, &way->ray, draw_flight(fog, of, (i + u) / way->places), &at);
-        if (!at.cell || !(at.density_per_m > 0)) continue;
-        fill_power(&at);
+        if (!fly(f, (i + u) / way->places, &at)) continue;
         al_fog_points_scatter(gather->points, at.position, way->ray.direction, at.cell->g, radiance);
         for (int c = 0; c < 3; c++) way->scattered[c] += at.power[c] * radiance[c] / way->places;
     }
@@ -233,21 +247,19 @@ static void add_others(const al_gather *gather, const al_fog_path *fog, double u
 bool al_gather_scatter(const al_gather *gather, al_gather_scratch *scratch, const double carried[3],
                        al_sequence *sequence, al_gather_way *way)
 {
-    const al_fog_path *fog = &scratch->fog;
-    channels of = channels_of(gather);
     double u[2];
     place at;
-    if (!gather->fog.scatters || !(fog->depth[0] + fog->depth[1] + fog->depth[2] > 0)) return true;
+    if (!gather->fog.scatters) return true;
+    flight f = flight_along(&scratch->fog, &way->ray, 0, gather->fog.grey ? 1 : 3);
+    if (!f.count) return true;
     al_sequence_pair(sequence, u);
-    fill_place(fog, of, &way->ray, draw_flight(fog, of, u[0]), &at);
-    if (!at.cell || !(at.density_per_m > 0)) return true;
-    fill_power(&at);
-    if (gather->lights.scene->light_count) add_once(gather, scratch, AL_LIGHT_KIND_LAMP, at, sequence, way);
+    if (!fly(&f, u[0], &at)) return true;
+    if (gather->lights.scene->light_count) add_once(gather, &f, AL_LIGHT_KIND_LAMP, at, sequence, way);
     if (scratch->record) return record(gather, scratch, carried, u[1], way);
     if (gather->options.walls == AL_WALLS_TRACED) {
-        add_once(gather, scratch, AL_LIGHT_KIND_EMITTER, at, sequence, way);
-        add_once(gather, scratch, AL_LIGHT_KIND_SKY, at, sequence, way);
+        add_once(gather, &f, AL_LIGHT_KIND_EMITTER, at, sequence, way);
+        add_once(gather, &f, AL_LIGHT_KIND_SKY, at, sequence, way);
     }
-    add_others(gather, fog, u[0], way);
+    add_others(gather, &f, u[0], way);
     return true;
 }

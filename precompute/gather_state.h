@@ -32,6 +32,7 @@ typedef struct al_gather_vertex {
     double offset_m; /* rays begin so far along the normal */
     bool in_air;     /* there is no normal; light from everywhere counts */
     bool asks;       /* published walls: responses of the fog count */
+    bool scatters;   /* other walls: light that the fog scatters into its ways counts */
     bool looks_back; /* directions behind it are drawn too, for back-scatter */
     bool glows;      /* fog scatters a point lamp's light to it: directions about `lamp` are drawn too */
     double lamp[3];  /* unit, towards that lamp */

@@ -30,31 +30,34 @@ static inline uint64_t al_mix_bits(uint64_t z)
     return z ^ (z >> 31);
 }
 
-/* Owen's scrambling of the bits of a fraction: each is flipped by a hash of the bits above it. On reversed
- * bits every step lets lower bits act on higher ones only: Laine and Karras 2011, with Burley's constants. */
-static inline uint32_t al_scramble(uint32_t x, uint32_t seed)
+/* Owen's scrambling of the bits of a fraction, given and answered with its first digit as the lowest bit:
+ * each is flipped by a hash of the bits below it. Laine and Karras 2011, with Burley's constants. */
+static inline uint32_t al_scramble_reversed(uint32_t x, uint32_t seed)
 {
-    x = al_reverse_bits(x);
     x += seed;
     x ^= x * 0x6c50b47cu;
     x ^= x * 0xb82f1e52u;
     x ^= x * 0xc7afe638u;
     x ^= x * 0x8d22f6e6u;
-    return al_reverse_bits(x);
+    return x;
 }
 
-/* The next two numbers, in [0, 1). The first dimension is van der Corput's, the second Sobol's, whose
- * direction numbers are v(k+1) = v(k) xor (v(k) >> 1). */
+/* The next two numbers, in [0, 1). The first dimension is van der Corput's, the second Sobol's. Its direction
+ * numbers v(k+1) = v(k) xor (v(k) >> 1) are the rows of Pascal's triangle mod 2, where C(k, j) is odd when j
+ * holds no bit that k lacks: digit j is the sum of all digits k of the index that hold j's bits. */
 static inline void al_sequence_pair(al_sequence *sequence, double u[2])
 {
     uint64_t key = al_mix_bits(sequence->seed + 0x9e3779b97f4a7c15u * ++sequence->dimension);
     uint64_t more = al_mix_bits(key + 0x9e3779b97f4a7c15u);
-    uint32_t index = al_scramble(sequence->index, (uint32_t)key);
-    uint32_t second = 0, direction = 1u << 31;
-    for (uint32_t i = index; i; i >>= 1, direction ^= direction >> 1)
-        if (i & 1) second ^= direction;
-    u[0] = al_scramble(al_reverse_bits(index), (uint32_t)more) * 0x1p-32;
-    u[1] = al_scramble(second, (uint32_t)(more >> 32)) * 0x1p-32;
+    uint32_t first = al_reverse_bits(al_scramble_reversed(al_reverse_bits(sequence->index), (uint32_t)key));
+    uint32_t second = first;
+    second ^= second >> 16;
+    second ^= (second >> 8) & 0x00ff00ffu;
+    second ^= (second >> 4) & 0x0f0f0f0fu;
+    second ^= (second >> 2) & 0x33333333u;
+    second ^= (second >> 1) & 0x55555555u;
+    u[0] = al_reverse_bits(al_scramble_reversed(first, (uint32_t)more)) * 0x1p-32;
+    u[1] = al_reverse_bits(al_scramble_reversed(second, (uint32_t)(more >> 32))) * 0x1p-32;
 }
 
 #endif

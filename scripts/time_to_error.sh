@@ -35,20 +35,21 @@ traced() {
     awk -F'[:,]' '/"cpu_seconds"/ { seconds = $2 } /relative_standard_error/ { print seconds, $2 + 0 }' "$folder/stats.json"
 }
 
+# The light in the fog's points is spread over the texels that the room's lightmap has at preview, medium and final quality.
 # rows SCENE LAYER WALLS CSV "SECONDS ERROR" OPTIONS...: errors and times of gathering; the path tracer's time falls with
 # the square of its error.
 rows() {
     scene=$scenes/room_$1.json name="| $1, $2 | $3" layer=$2 walls=$3 truth=$4 tracer=$5
     shift 5
     surfaces=$("$bin/gather_points" "$scene" "$truth" --no-fog --samples 4096 --repeats 1 "$@")
-    for samples in 32 128 512 8192; do
+    for samples in 32 128 512 2048; do
         gathered=$("$bin/gather_points" "$scene" "$truth" --layer "$layer" --walls "$walls" --tables "$tables" \
             --samples $samples --repeats 1 "$@")
         echo "$gathered $tracer $surfaces" | awk -v name="$name | $samples" -v samples=$samples '{
-            points = 49; time = $4 / points; tracer = $6 / points * ($7 / $1) ^ 2
+            points = 49; texels = samples < 128 ? 30000 : samples < 512 ? 120000 : 480000; time = $4 / points; tracer = $6 / points * ($7 / $1) ^ 2
             extra = time - $11 / points * samples / 4096
-            printf "%s | %.1f %% | %.3g | %.3g | %.2g | %.2g | %.2g |\n", name, 100 * $1, 1000 * time, 1000 * tracer,
-                tracer / time, tracer / (time + $5 / 10000), (extra > 0 ? tracer / extra : 0) }'
+            printf "%s | %.1f %% | %.3g | %.3g | %.3g | %.3g | %.3g |\n", name, 100 * $1, 1000 * time, 1000 * tracer,
+                tracer / time, tracer / (time + $5 / texels), (extra > 0 ? tracer / (extra + $5 / texels) : 0) }'
     done
 }
 
