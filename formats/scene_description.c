@@ -229,8 +229,8 @@ typedef struct shape_fields {
 } shape_fields;
 
 typedef struct lightmap_fields {
-    double texel_m, samples, bounces, back_scatter_shift_m, directional_order, padding_texels, page_size,
-        seed;
+    double texel_m, samples, bounces, fog_points, back_scatter_shift_m, directional_order, padding_texels,
+        page_size, seed;
     char *walls, *uv;
     bool back_scatter;
 } lightmap_fields;
@@ -387,6 +387,7 @@ static const al_scene_key keys[] = {
     INTEGER(lightmap, samples, 1, 10000000),
     INTEGER(lightmap, bounces, 0, 1000),
     CHOICE(lightmap, walls, false, "published|bounded|traced"),
+    INTEGER(lightmap, fog_points, 1, 128),
     FLAG(lightmap, back_scatter),
     NUMBER(lightmap, back_scatter_shift_m, TINY, FAR_M),
     CHOICE(lightmap, uv, false, "auto|file|atlas"),
@@ -1068,6 +1069,7 @@ al_lightmap_settings al_lightmap_settings_for(al_quality quality)
                                   .samples = samples[quality],
                                   .bounces = bounces[quality],
                                   .walls = AL_WALLS_BOUNDED,
+                                  .fog_points = 16,
                                   .padding_texels = 2,
                                   .page_size = 2048};
 }
@@ -1076,6 +1078,7 @@ static al_status read_lightmap(const node *place, al_lightmap_settings *out, al_
 {
     lightmap_fields f = {.samples = out->samples,
                          .bounces = out->bounces,
+                         .fog_points = out->fog_points,
                          .directional_order = out->directional_order,
                          .padding_texels = out->padding_texels,
                          .page_size = out->page_size};
@@ -1086,6 +1089,7 @@ static al_status read_lightmap(const node *place, al_lightmap_settings *out, al_
     out->texel_m = f.texel_m;
     out->samples = (uint32_t)f.samples;
     out->bounces = (uint32_t)f.bounces;
+    out->fog_points = (uint32_t)f.fog_points;
     out->back_scatter = f.back_scatter;
     out->back_scatter_shift_m = f.back_scatter_shift_m;
     out->directional_order = (uint32_t)f.directional_order;

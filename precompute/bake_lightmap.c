@@ -56,7 +56,7 @@ al_status al_bake_lightmap_key(const al_import *import, uint64_t tables_key, uin
     const al_lightmap_settings *s = &import->description->lightmap;
     const uint32_t counts[] = {bake_version,       s->texels_across, s->samples,      s->bounces,
                                (uint32_t)s->walls, s->back_scatter,  (uint32_t)s->uv, s->directional_order,
-                               s->padding_texels,  s->page_size,     s->seed};
+                               s->padding_texels,  s->page_size,     s->seed,         s->fog_points};
     const double lengths[] = {s->texel_m, s->back_scatter_shift_m};
     uint64_t light;
     al_status status = al_light_key(import, &light, error);
@@ -210,6 +210,7 @@ static al_status gather_texels(lightmap_work *w, const al_impulse_tables *tables
                                           .bounces = s->bounces,
                                           .fog = w->import->scene.fog_count > 0,
                                           .walls = s->walls,
+                                          .fog_points = s->fog_points,
                                           .back_scatter = s->back_scatter,
                                           .back_scatter_shift_m = s->back_scatter_shift_m,
                                           .sh_order = s->directional_order,
@@ -399,14 +400,15 @@ static char *provenance(const lightmap_work *w)
     }
     snprintf(key, sizeof key, "%016llx", (unsigned long long)w->key);
     json_t *root = json_pack(
-        "{s:s, s:{s:f, s:i, s:i, s:s, s:b, s:f, s:i, s:i, s:I}, s:i, s:i, s:{s:f, s:f, s:f}, s:{s:I, s:f, "
+        "{s:s, s:{s:f, s:i, s:i, s:s, s:i, s:b, s:f, s:i, s:i, s:I}, s:i, s:i, s:{s:f, s:f, s:f}, s:{s:I, "
+        "s:f, "
         "s:f}}",
         "key", key, "settings", "texel_m", w->atlas->texel_m, "samples", (int)s->samples, "bounces",
-        (int)s->bounces, "walls", walls[s->walls], "back_scatter", (int)s->back_scatter,
-        "back_scatter_shift_m", s->back_scatter_shift_m, "directional_order", (int)s->directional_order,
-        "padding_texels", (int)s->padding_texels, "seed", (json_int_t)s->seed, "own_uv_meshes",
-        (int)w->atlas->own_count, "coarse_meshes", (int)w->atlas->coarse_count, "noise", "surface",
-        noise_of(w, AL_LAYER_SURFACE), "attenuated", noise_of(w, AL_LAYER_ATTENUATED), "scattered",
+        (int)s->bounces, "walls", walls[s->walls], "fog_points", (int)s->fog_points, "back_scatter",
+        (int)s->back_scatter, "back_scatter_shift_m", s->back_scatter_shift_m, "directional_order",
+        (int)s->directional_order, "padding_texels", (int)s->padding_texels, "seed", (json_int_t)s->seed,
+        "own_uv_meshes", (int)w->atlas->own_count, "coarse_meshes", (int)w->atlas->coarse_count, "noise",
+        "surface", noise_of(w, AL_LAYER_SURFACE), "attenuated", noise_of(w, AL_LAYER_ATTENUATED), "scattered",
         noise_of(w, AL_LAYER_SCATTERED), "seams", "places", (json_int_t)places, "jump_before",
         places > 0 ? sqrt(before / places) : 0.0, "jump_after", places > 0 ? sqrt(after / places) : 0.0);
     char *text = root ? json_dumps(root, JSON_COMPACT | JSON_REAL_PRECISION(6)) : NULL;

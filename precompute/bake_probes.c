@@ -46,7 +46,7 @@ al_status al_bake_probes_key(const al_import *import, uint64_t tables_key, uint6
     const al_probe_settings *s = &import->description->probes;
     const al_lightmap_settings *l = &import->description->lightmap;
     const uint32_t counts[] = {bake_version, s->order,           s->samples, s->point_count,
-                               l->bounces,   (uint32_t)l->walls, l->seed};
+                               l->bounces,   (uint32_t)l->walls, l->seed,    l->fog_points};
     uint64_t light;
     al_status status = al_light_key(import, &light, error);
     *key = XXH64(counts, sizeof counts, light);
@@ -98,6 +98,7 @@ static al_status gather_probes(probe_work *w, const al_impulse_tables *tables, a
                                           .bounces = l->bounces,
                                           .fog = w->import->scene.fog_count > 0,
                                           .walls = l->walls,
+                                          .fog_points = l->fog_points,
                                           .sh_order = w->settings->order,
                                           .lamps_apart = true,
                                           .seed = l->seed},

@@ -13,8 +13,8 @@
  * Points that see many backs of surfaces are inside something and left out. Between the points values are
  * trilinear over those of the eight corners that are seen from the middle of an eighth of the cell: light
  * does not leak through walls. In the place of a corner behind a wall stands what the two points before it
- * continue to. The scattered light alone is kept too, for surfaces to reflect. What comes straight from lamps is not in L; their transmittance is kept beside
- * it. */
+ * continue to. The scattered light alone is kept too, for surfaces to reflect. What comes straight from lamps
+ * is not in L; their transmittance is kept beside it. */
 #include "fog_points.h"
 
 #include <math.h>
@@ -732,7 +732,7 @@ static al_status check_depth(const building *b, al_error *error)
     return al_fail(
         error, AL_BAD_INPUT,
         "%s: lightmap.walls: the fog is too dense for %u points along the scene: %.3g mean free paths "
-        "from point to point; at most %g are right, or walls \"published\"",
+        "from point to point; at most %g are right: more \"fog_points\", or walls \"published\"",
         b->gather->path, max_size(b->points), depth, depth_limit);
 }
 

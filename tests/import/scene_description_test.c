@@ -31,13 +31,15 @@ static void test_lighting_refusals(void)
     refuse("{\"fogs\": [\"haze\"]}", "1: fogs: no medium is named \"haze\"; name one of \"media\"");
     refuse("{\"media\": [{\"name\": \"haze\", \"sigma_s_per_m\": 1}],\n \"fogs\": [\"haze\", \"haze\"]}",
            "2: fogs: \"haze\" stands there twice; once is right");
-    refuse("{\"media\": [{\"name\": \"haze\", \"sigma_s_per_m\": 1, \"density\": {\"type\": \"layers\", \"period_m\": 1, "
+    refuse("{\"media\": [{\"name\": \"haze\", \"sigma_s_per_m\": 1, \"density\": {\"type\": \"layers\", "
+           "\"period_m\": 1, "
            "\"thickness_m\": 0.5}}], \"fogs\": [\"haze\"]}",
            "1: fogs: the layers of \"haze\" have no end; give its density bounds");
     refuse("{\"meshes\": [{\"name\": \"a\", \"file\": \"a.obj\", \"lighting\": \"probes\"}]}",
            "1: meshes[0]: is lit by probes; the scene needs \"probes\" for that");
     refuse("{\"meshes\": [{\"name\": \"a\", \"file\": \"a.obj\", \"lighting\": \"lightmap\"}],\n"
-           "\"media\": [{\"name\": \"wax\", \"sigma_s_per_m\": 1}], \"translucents\": [{\"name\": \"t\", \"mesh\": \"a\", "
+           "\"media\": [{\"name\": \"wax\", \"sigma_s_per_m\": 1}], \"translucents\": [{\"name\": \"t\", "
+           "\"mesh\": \"a\", "
            "\"medium\": \"wax\"}]}",
            "1: meshes[0]: is part of translucent \"t\", which no lightmap or probe lights");
     refuse("{\"lightmap\": {\"walls\": \"thick\"}}",
@@ -59,8 +61,9 @@ static void test_refusals(void)
     refuse("{\n\n  \"colour\": 1}",
            "3: colour: unknown key; known here: $schema, comment, unit_m, meshes, materials, "
            "lights, environment, cameras, media, translucents, fogs, lightmap, probes, bake, play");
-    refuse("{\"a\\nb\": 1}", "1: a b: unknown key; known here: $schema, comment, unit_m, meshes, materials, "
-                             "lights, environment, cameras, media, translucents, fogs, lightmap, probes, bake, play");
+    refuse("{\"a\\nb\": 1}",
+           "1: a b: unknown key; known here: $schema, comment, unit_m, meshes, materials, "
+           "lights, environment, cameras, media, translucents, fogs, lightmap, probes, bake, play");
     refuse("{\"unit_m\": 0}", "1: unit_m: is 0; a number from 1e-09 to 1000000000 is right");
     refuse("{\"unit_m\": -1}", "1: unit_m: is -1; a number from 1e-09 to 1000000000 is right");
     refuse("{\"unit_m\": \"1\"}", "1: unit_m: is \"1\"; a number from 1e-09 to 1000000000 is right");
@@ -250,9 +253,11 @@ static const char everything[] =
     "0.2}}],\n"
     " \"translucents\": [{\"mesh\": \"s\", \"medium\": \"w\", \"blockers\": [\"b\"]}],\n"
     " \"fogs\": [\"w\"],\n"
-    " \"lightmap\": {\"walls\": \"traced\", \"uv\": \"atlas\", \"samples\": 7, \"back_scatter\": true},\n"
+    " \"lightmap\": {\"walls\": \"traced\", \"uv\": \"atlas\", \"samples\": 7, \"fog_points\": 24, "
+    "\"back_scatter\": true},\n"
     " \"probes\": {\"order\": 4, \"points\": [{\"position_m\": [1, 2, 3]}]},\n"
-    " \"bake\": {\"directions\": 64, \"radius_m\": 0.25, \"coefficient_format\": \"byte\", \"too_dense\": \"bake\"},\n"
+    " \"bake\": {\"directions\": 64, \"radius_m\": 0.25, \"coefficient_format\": \"byte\", \"too_dense\": "
+    "\"bake\"},\n"
     " \"play\": {\"exposure_ev\": -2, \"background\": 0.5}}";
 
 static void check_meshes(const al_scene_description *s)
@@ -311,7 +316,7 @@ static void test_values(void)
     CHECK(s->environment.radiance[0] == 0.5 && s->environment.scale == 3);
     CHECK(s->fog_count == 1 && s->fogs[0] == 0);
     CHECK(s->lightmap.walls == AL_WALLS_TRACED && s->lightmap.uv == AL_UV_ATLAS && s->lightmap.samples == 7 &&
-          s->lightmap.back_scatter && s->lightmap.bounces == 8);
+          s->lightmap.back_scatter && s->lightmap.bounces == 8 && s->lightmap.fog_points == 24);
     CHECK(s->has_probes && s->probes.order == 4 && s->probes.samples == 4096 && s->probes.point_count == 1 &&
           s->probes.points[0][2] == 3);
     CHECK(s->translucents[0].blocker_count == 1 && strcmp(s->translucents[0].blockers[0], "b") == 0);

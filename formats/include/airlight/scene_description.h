@@ -111,6 +111,7 @@ typedef struct al_lightmap_settings {
     uint32_t samples;         /* paths a texel */
     uint32_t bounces;         /* diffuse reflections after the first surface that a path meets; 0: direct only */
     al_walls walls;
+    uint32_t fog_points;      /* bounded and traced walls: points in the fog along the longest edge of its box */
     bool back_scatter;        /* gather over the whole sphere, the receiver shifted along its normal */
     double back_scatter_shift_m; /* 0: 0.125 texel edges */
     al_uv_source uv;
