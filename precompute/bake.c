@@ -203,6 +203,15 @@ static bool is_fresh(const bake *b, const char *file, al_kind kind, uint64_t key
     return asset_key(path, kind, &present) && present == key;
 }
 
+/* 0: there is no such file in the folder, or an empty one. */
+static uint64_t file_bytes(const bake *b, const char *file)
+{
+    char path[1400];
+    struct stat facts;
+    snprintf(path, sizeof path, "%s/%s", b->arguments->folder, file);
+    return stat(path, &facts) == 0 && S_ISREG(facts.st_mode) ? (uint64_t)facts.st_size : 0;
+}
+
 static al_status lay_atlas(bake *b, al_error *error)
 {
     double started = al_program_seconds();
@@ -273,20 +282,51 @@ static uint64_t key_of_chunks(const al_file *file)
     return key;
 }
 
-/* The atlas is laid out whenever scene.air, which holds the second UV sets, or the lightmap is to be made. */
+/* The lightmap's pages as pictures. They are made from the asset, so no light is gathered for those that are
+ * gone. scene.air is written after them: where it is up to date, so are the pictures that lie there. */
+static al_status write_pages(bake *b, bool scene_fresh, al_error *error)
+{
+    double started = al_program_seconds();
+    const al_open_options options = {.kind = AL_KIND_LIGHTMAP};
+    char path[1400], picture[64];
+    uint64_t bytes = 0, count = 0;
+    al_file *file;
+    al_lightmap_info info;
+    snprintf(path, sizeof path, "%s/%s", b->arguments->folder, b->import->scene.baked.lightmap);
+    al_status status = al_file_open(path, &options, &file, error);
+    if (status != AL_OK) return status;
+    status = al_lightmap_read(file, &info, error);
+    for (uint32_t p = 0; status == AL_OK && p < info.page_count; p++) {
+        al_bake_lightmap_page_file(p, picture, sizeof picture);
+        if (scene_fresh && file_bytes(b, picture)) continue;
+        snprintf(path, sizeof path, "%s/%s", b->arguments->folder, picture);
+        status = al_bake_lightmap_page(file, &info, p, path, error);
+        if (status == AL_OK) al_program_say(b->program, "wrote %s", path);
+        bytes += file_bytes(b, picture);
+        count++;
+    }
+    al_file_close(file);
+    if (count) al_steps_add(&b->report.light, "pages", started, bytes, count);
+    b->report.lightmap_page_count = info.page_count;
+    return status;
+}
+
+/* The atlas is laid out whenever the lightmap or what holds the second UV sets, scene.air or scene.glb, is to
+ * be made. */
 static al_status bake_lightmap(bake *b, const al_bake_options *options, uint64_t tables_key, al_error *error)
 {
     const char *name = b->import->scene.baked.lightmap;
     al_status status = al_bake_lightmap_key(b->import, tables_key, &b->lightmap_key, error);
     bool fresh = status == AL_OK && is_fresh(b, name, AL_KIND_LIGHTMAP, b->lightmap_key);
-    if (status == AL_OK && !(fresh && is_fresh(b, "scene.air", AL_KIND_SCENE, scene_key(b))))
+    bool scene_fresh = status == AL_OK && is_fresh(b, "scene.air", AL_KIND_SCENE, scene_key(b));
+    if (status == AL_OK && !(fresh && scene_fresh && file_bytes(b, "scene.glb")))
         status = lay_atlas(b, error);
     if (status == AL_OK && !fresh)
         status = al_bake_lightmap(b->import, &b->atlas, b->lightmap_key, b->tables, options, &b->report.light,
                                   error);
     if (status == AL_OK)
         al_program_say(b->program, fresh ? "%s/%s is up to date" : "wrote %s/%s", b->arguments->folder, name);
-    return status;
+    return status == AL_OK ? write_pages(b, scene_fresh, error) : status;
 }
 
 static al_status bake_probes(bake *b, const al_bake_options *options, uint64_t tables_key, al_error *error)
@@ -316,25 +356,27 @@ static al_status bake_light(bake *b, al_error *error)
     return status;
 }
 
+/* scene.air comes last: where it is up to date, the scene.glb that lies there is. */
 static al_status write_scene(bake *b, al_error *error)
 {
     double started = al_program_seconds();
     char path[1400], provenance[64];
     uint64_t bytes = 0, glb_bytes = 0, key = scene_key(b);
     snprintf(path, sizeof path, "%s/scene.air", b->arguments->folder);
-    if (is_fresh(b, "scene.air", AL_KIND_SCENE, key)) {
-        al_program_say(b->program, "%s is up to date", path);
-        return AL_OK;
-    }
+    bool fresh = is_fresh(b, "scene.air", AL_KIND_SCENE, key);
+    bool glb = b->lightmap_key && !(fresh && file_bytes(b, "scene.glb"));
     al_status status = AL_OK;
-    if (b->lightmap_key) {
+    if (fresh) al_program_say(b->program, "%s is up to date", path);
+    if (fresh && !glb) return AL_OK;
+    if (glb) {
         char glb_path[1400];
         snprintf(glb_path, sizeof glb_path, "%s/scene.glb", b->arguments->folder);
         status = al_glb_write(glb_path, &b->import->scene, &glb_bytes, error);
         if (status != AL_OK) return status;
+        al_program_say(b->program, "wrote %s", glb_path);
     }
     snprintf(provenance, sizeof provenance, "{\"key\":\"%016llx\"}", (unsigned long long)key);
-    status = al_scene_write(path, &b->import->scene, provenance, &bytes, error);
+    if (!fresh) status = al_scene_write(path, &b->import->scene, provenance, &bytes, error);
     b->report.steps.steps[b->report.steps.count++] = (al_step){
         "scene", al_program_seconds() - started, bytes + glb_bytes, b->import->scene.instance_count};
     return status;

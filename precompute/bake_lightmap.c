@@ -51,6 +51,11 @@ void al_bake_lightmap_file(const al_import *import, char *name, size_t size)
     al_scene_asset_file(import, "lightmap", name, size);
 }
 
+void al_bake_lightmap_page_file(uint32_t page, char *name, size_t size)
+{
+    snprintf(name, size, "lightmap_%u.exr", page);
+}
+
 al_status al_bake_lightmap_key(const al_import *import, uint64_t tables_key, uint64_t *key, al_error *error)
 {
     const al_lightmap_settings *s = &import->description->lightmap;
@@ -273,7 +278,7 @@ static al_status finish_pages(lightmap_work *w, al_error *error)
     return status;
 }
 
-/* --- files --- */
+/* --- the asset --- */
 
 static void copy_layer(const al_light_page *page, uint32_t first, uint32_t count, float *out)
 {
@@ -416,36 +421,7 @@ static char *provenance(const lightmap_work *w)
     return text;
 }
 
-static al_status write_exr(const lightmap_work *w, const al_light_page *page, uint32_t index, float *pixels,
-                           al_error *error)
-{
-    static const char *const names[] = {"surface.R",    "surface.G",    "surface.B",
-                                        "attenuated.R", "attenuated.G", "attenuated.B",
-                                        "scattered.R",  "scattered.G",  "scattered.B"};
-    char path[1300];
-    for (size_t i = 0; i < (size_t)page->width * page->height; i++)
-        memcpy(pixels + i * IRRADIANCE_CHANNELS, page->light + i * page->channel_count,
-               IRRADIANCE_CHANNELS * sizeof *pixels);
-    const al_image_channels image = {page->width, page->height, IRRADIANCE_CHANNELS, names, pixels};
-    snprintf(path, sizeof path, "%s/lightmap_%u.exr", w->options->folder, index);
-    return al_image_write_exr_channels(path, &image, error);
-}
-
-static al_status write_exrs(const lightmap_work *w, al_error *error)
-{
-    al_status status = AL_OK;
-    for (uint32_t p = 0; status == AL_OK && p < w->atlas->page_count; p++) {
-        const al_light_page *page = &w->pages[p];
-        float *pixels = malloc((size_t)page->width * page->height * IRRADIANCE_CHANNELS * sizeof *pixels);
-        status = pixels ? write_exr(w, page, p, pixels, error)
-                        : al_fail(error, AL_IO, "%s: out of memory for a page", w->path);
-        free(pixels);
-    }
-    return status;
-}
-
-/* The asset comes last: where it is there, everything is. */
-static al_status write_files(lightmap_work *w, al_error *error)
+static al_status write_asset(lightmap_work *w, al_error *error)
 {
     double started = al_program_seconds();
     uint32_t pages = w->atlas->page_count;
@@ -463,7 +439,6 @@ static al_status write_files(lightmap_work *w, al_error *error)
         status = al_fail(error, AL_IO, "%s: out of memory", w->path);
     for (uint32_t p = 0; status == AL_OK && p < pages; p++)
         status = make_source(w, &w->pages[p], &a.planes[p], &a.sources[p], error);
-    if (status == AL_OK) status = write_exrs(w, error);
     a.data.instances = a.instances;
     a.data.pages = a.sources;
     a.data.vertices = a.vertices;
@@ -483,7 +458,7 @@ static al_status run_steps(lightmap_work *w, const al_impulse_tables *tables, al
     if (status == AL_OK) status = al_texels_make(&w->import->scene, w->atlas, &w->texels, error);
     if (status == AL_OK) status = gather_texels(w, tables, error);
     if (status == AL_OK) status = finish_pages(w, error);
-    return status == AL_OK ? write_files(w, error) : status;
+    return status == AL_OK ? write_asset(w, error) : status;
 }
 
 al_status al_bake_lightmap(const al_import *import, const al_atlas *atlas, uint64_t key,
@@ -513,5 +488,28 @@ al_status al_bake_lightmap(const al_import *import, const al_atlas *atlas, uint6
     free(w->pages);
     free(w->seams);
     free(w);
+    return status;
+}
+
+/* --- pictures --- */
+
+al_status al_bake_lightmap_page(const al_file *file, const al_lightmap_info *info, uint32_t index,
+                                const char *path, al_error *error)
+{
+    static const char *const names[] = {"surface.R",    "surface.G",    "surface.B",
+                                        "attenuated.R", "attenuated.G", "attenuated.B",
+                                        "scattered.R",  "scattered.G",  "scattered.B"};
+    al_lightmap_page page;
+    al_status status = al_lightmap_read_page(file, info, index, &page, error);
+    if (status != AL_OK) return status;
+    size_t texels = (size_t)page.width * page.height;
+    float *pixels = malloc(texels * IRRADIANCE_CHANNELS * sizeof *pixels), *out = pixels;
+    if (!pixels) return al_fail(error, AL_IO, "%s: out of memory for a page", path);
+    for (size_t i = 0; i < texels; i++)
+        for (int layer = 0; layer < AL_LAYER_COUNT; layer++, out += 3)
+            al_lightmap_texel(info, &page, (al_lightmap_layer)layer, i, out);
+    const al_image_channels image = {page.width, page.height, IRRADIANCE_CHANNELS, names, pixels};
+    status = al_image_write_exr_channels(path, &image, error);
+    free(pixels);
     return status;
 }

@@ -1,9 +1,10 @@
 /* The bake of a scene's lightmap: light at every texel of the atlas, texels behind surfaces replaced,
- * padding, seams, and the files: NAME.lightmap.air, lightmap_PAGE.exr. */
+ * padding, seams, and the files: NAME.lightmap.air and, from it, lightmap_PAGE.exr. */
 #ifndef AIRLIGHT_BAKE_LIGHTMAP_H
 #define AIRLIGHT_BAKE_LIGHTMAP_H
 
 #include "airlight/impulse_tables.h"
+#include "airlight/lightmap.h"
 #include "atlas.h"
 #include "bake_step.h"
 
@@ -21,5 +22,13 @@ al_status al_bake_lightmap_key(const al_import *import, uint64_t tables_key, uin
 al_status al_bake_lightmap(const al_import *import, const al_atlas *atlas, uint64_t key,
                            const al_impulse_tables *tables, const al_bake_options *options, al_steps *steps,
                            al_error *error);
+
+/* Name of the picture of a page in the folder. */
+void al_bake_lightmap_page_file(uint32_t page, char *name, size_t size);
+/* Writes page `index` of a baked lightmap as OpenEXR: irradiance in W/m2 as the asset says it, three layers
+ * of float32, "surface.R" to "scattered.B", the first row on top. The same asset gives the same bytes.
+ * Atomic. */
+al_status al_bake_lightmap_page(const al_file *file, const al_lightmap_info *info, uint32_t index,
+                                const char *path, al_error *error);
 
 #endif

@@ -9,6 +9,7 @@
 #include <sys/stat.h>
 
 #include "airlight/container.h"
+#include "bake_lightmap.h"
 
 static json_t *plan_array(const al_plan *plan)
 {
@@ -52,6 +53,18 @@ static void append_asset(json_t *array, const char *folder, const char *file, co
         array, json_pack("{s:s, s:s, s:I}", "path", file, "kind", kind, "bytes", (json_int_t)facts.st_size));
 }
 
+/* What is not an asset of ours is of the kind that its name ends with. */
+static void append_lightmap(json_t *array, const char *folder, const al_report *report)
+{
+    append_asset(array, folder, report->import->scene.baked.lightmap, al_kind_name(AL_KIND_LIGHTMAP));
+    for (uint32_t i = 0; i < report->lightmap_page_count; i++) {
+        char file[64];
+        al_bake_lightmap_page_file(i, file, sizeof file);
+        append_asset(array, folder, file, "exr");
+    }
+    append_asset(array, folder, "scene.glb", "glb");
+}
+
 al_status al_report_write(const char *folder, const al_report *report, al_error *error)
 {
     const al_scene *scene = &report->import->scene;
@@ -75,8 +88,7 @@ al_status al_report_write(const char *folder, const al_report *report, al_error 
         if (*scene->fogs[i].asset)
             append_asset(assets, folder, scene->fogs[i].asset, al_kind_name(AL_KIND_MEDIUM));
     if (*scene->baked.probes) append_asset(assets, folder, scene->baked.probes, al_kind_name(AL_KIND_PROBES));
-    if (*scene->baked.lightmap)
-        append_asset(assets, folder, scene->baked.lightmap, al_kind_name(AL_KIND_LIGHTMAP));
+    if (*scene->baked.lightmap) append_lightmap(assets, folder, report);
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
     json_t *root =

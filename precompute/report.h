@@ -8,10 +8,11 @@
 typedef struct al_report {
     const al_import *import;
     const al_plan *plan;
-    al_steps steps;     /* import and scene */
-    al_steps light;     /* of the lightmap; none when it was up to date */
-    al_steps *objects;  /* [translucent_count]; an object that was up to date has none */
-    const char *device; /* "" when none was needed */
+    al_steps steps;               /* import and scene */
+    al_steps light;               /* of probes and lightmap; none when they were up to date */
+    uint32_t lightmap_page_count; /* 0 without a lightmap */
+    al_steps *objects;            /* [translucent_count]; an object that was up to date has none */
+    const char *device;           /* "" when none was needed */
 } al_report;
 
 /* One JSON text of the plan, as --plan prints it; free() it. NULL when memory runs out. */

@@ -80,6 +80,12 @@ tr -d ' \n' <"$work/foggy/report.json" | grep -q '"path":"impulse-tables.air","k
 tr -d ' \n' <"$work/foggy/report.json" | grep -q '"step":"impulsetables","needed":true' || wrong "no tables in the plan"
 run 0 "$bin/airlight-bake" "$work/foggy.json" -o "$work/foggy"
 grep -q "impulse-tables" "$work/stderr" && wrong "does not take the tables that are there: $(cat "$work/stderr")"
+# Tables that are gone are made again, to the same bytes, and the lightmap that they served stays.
+mv "$work/foggy/impulse-tables.air" "$work/gone.air"
+# shellcheck disable=SC2086
+run 0 "$bin/airlight-bake" "$work/foggy.json" -o "$work/foggy" $small
+cmp "$work/gone.air" "$work/foggy/impulse-tables.air" || wrong "other tables"
+grep -q "foggy.lightmap.air is up to date" "$work/stderr" || wrong "a lightmap is baked again for missing tables"
 sed 's/"published"/"bounded"/' "$work/foggy.json" >"$work/bounded.json"
 run 0 "$bin/airlight-bake" "$work/bounded.json" -o "$work/bounded"
 [ ! -e "$work/bounded/impulse-tables.air" ] || wrong "tables that nobody needs"
