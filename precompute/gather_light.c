@@ -178,5 +178,7 @@ bool al_gather_light_is_seen(const al_gather_lights *lights, const double origin
     if (isinf(length_m)) return !al_ray_scene_is_blocked(lights->rays, &ray, INFINITY);
     if (!(square > 0)) return true;
     for (int k = 0; k < 3; k++) ray.direction[k] /= sqrt(square);
-    return !al_ray_scene_is_blocked(lights->rays, &ray, sqrt(square));
+    /* A lamp on a surface is in front of it. Emitters' targets are off theirs already. */
+    double step_m = sample->kind == AL_LIGHT_KIND_LAMP ? al_ray_scene_offset_m(lights->rays) : 0;
+    return !al_ray_scene_is_blocked(lights->rays, &ray, sqrt(square) - step_m);
 }

@@ -382,7 +382,8 @@ static bool draw_sky(const volume_path *state, al_random *random, arrival *a)
 /* Lets `a->power` pass from the light to the ray's origin: 0 behind surfaces. */
 static bool pass(const volume_path *state, scratch *s, const al_ray *ray, al_random *random, arrival *a)
 {
-    if (al_ray_scene_is_blocked(state->scene, ray, a->end_m)) {
+    /* A lamp on a surface is in front of it. */
+    if (al_ray_scene_is_blocked(state->scene, ray, a->end_m - al_ray_scene_offset_m(state->scene))) {
         for (int c = 0; c < 3; c++) a->power[c] = 0;
         return true;
     }

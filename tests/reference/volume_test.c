@@ -8,6 +8,7 @@
 
 #include "../test.h"
 #include "airlight/formulas.h"
+#include "airlight/image.h"
 #include "scene_for_test.h"
 
 static const double sigmas = 4.5;
@@ -15,7 +16,7 @@ static const double sigmas = 4.5;
 AL_PRINTF(2, 3)
 static test_scene open_paths(al_mode_limits limits, const char *format, ...)
 {
-    char json[4096];
+    static char json[16384];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(json, sizeof json, format, arguments);
@@ -304,6 +305,106 @@ static void test_object(void)
     close_scene(&single);
 }
 
+/* --- structured surroundings, many lamps --- */
+
+/* Direction of a place on a map, docs/scene.md. */
+static void map_direction(double u, double v, double direction[3])
+{
+    double theta = AL_PI * v, phi = 2 * AL_PI * (u - 0.5);
+    direction[0] = sin(theta) * sin(phi);
+    direction[1] = cos(theta);
+    direction[2] = -sin(theta) * cos(phi);
+}
+
+/* A map that brightens from the ground up and around, with one pixel of 300: on a tilted receiver in the middle of a
+ * cube of absorbing fog of 2 m, against the sum over 48 x 48 places a pixel (edges of the hemisphere and of the cube's
+ * faces cross a few of them: 1e-3). A ray through it is exact. */
+static void test_map(void)
+{
+    enum { WIDTH = 16, HEIGHT = 8, FINE = 48 };
+    static const double sigmas_a[] = {0, 0.75};
+    static const char path[] = "sky_of_volume_test.exr";
+    static float pixels[WIDTH * HEIGHT * 3];
+    const double normal[3] = {0.48, 0.8, -0.36};
+    al_error error = {0};
+    for (int i = 0; i < WIDTH * HEIGHT * 3; i++)
+        pixels[i] = 0.25f * (float)(HEIGHT - i / 3 / WIDTH) + 0.125f * (float)(i / 3 % WIDTH);
+    for (int c = 0; c < 3; c++) pixels[(2 * WIDTH + 11) * 3 + c] = 300;
+    CHECK(al_image_write_exr(path, &(al_image){.width = WIDTH, .height = HEIGHT, .channels = 3, .pixels = pixels},
+                             &error) == AL_OK);
+    for (int i = 0; i < 2; i++) {
+        double sum = 0, exact, direction[3];
+        for (int v = 0; v < HEIGHT * FINE; v++)
+            for (int u = 0; u < WIDTH * FINE; u++) {
+                double solid = sin(AL_PI * (v + 0.5) / (HEIGHT * FINE)) * 2 * AL_PI * AL_PI /
+                               (WIDTH * FINE * (double)HEIGHT * FINE);
+                map_direction((u + 0.5) / (WIDTH * FINE), (v + 0.5) / (HEIGHT * FINE), direction);
+                double cosine = 0, largest = 0;
+                for (int k = 0; k < 3; k++) {
+                    cosine += normal[k] * direction[k];
+                    largest = fmax(largest, fabs(direction[k]));
+                }
+                sum += solid * fmax(0, cosine) * exp(-sigmas_a[i] / largest) *
+                       (double)pixels[(v / FINE * WIDTH + u / FINE) * 3];
+            }
+        test_scene scene = open_paths(
+            al_mode_unlimited,
+            "{'environment':{'file':'%s'},'media':[" FOG(
+                "a", "'sigma_s_per_m':0,'sigma_a_per_m':0.75",
+                "'type':'constant','bounds_min_m':[-1,-1,-1],'bounds_max_m':[1,1,1]") "],'fogs':[%s]}",
+            path, i ? "'a'" : "");
+        double noise, value = receive(&scene, &(al_receiver){{0, 0, 0}, {0.48, 0.8, -0.36}}, 16384, 0, &noise);
+        CHECK_NEAR(value, sum, sigmas * noise + 1e-3 * sum);
+        CHECK(noise < 0.01 * sum);
+        map_direction(11.5 / WIDTH, 2.5 / HEIGHT, direction);
+        al_ray ray = ray_along(0, 0, 0, direction[0], direction[1], direction[2]);
+        double largest = fmax(fmax(fabs(direction[0]), fabs(direction[1])), fabs(direction[2]));
+        exact = estimate(&scene, &ray, 2, 0, &noise);
+        CHECK_NEAR(exact, 300 * exp(-sigmas_a[i] / largest), 1e-4);
+        CHECK(noise < 1e-9);
+        close_scene(&scene);
+    }
+    remove(path);
+}
+
+static const char lamps_over_floor[] =
+    "{'materials':[{'name':'black','base_color':0}],'meshes':[{'name':'floor','shape':{'type':'plane'},"
+    "'material':'black'}],'lights':[%s],'media':[%s],'fogs':[%s]}";
+
+/* 64 lamps over a black floor in absorbing fog: the sum of I cos exp(-sigma d) / d^2. */
+static void test_many_lamps(void)
+{
+    static char lamps[8192];
+    double expected = 0;
+    int used = 0;
+    for (int i = 0; i < 64; i++) {
+        double x = i % 8 * 0.25 - 0.7, z = i / 8 * 0.2 - 0.3, square = x * x + z * z + 1, d = sqrt(square);
+        used += snprintf(lamps + used, sizeof lamps - (size_t)used,
+                         "%s{'type':'point','position_m':[%.9g,1,%.9g],'intensity_w_sr':%.9g}", i ? "," : "", x, z,
+                         1.0 + i % 5);
+        expected += (1.0 + i % 5) * exp(-0.5 * d) / (square * d);
+    }
+    test_scene scene =
+        open_paths(al_mode_unlimited, lamps_over_floor, lamps,
+                   FOG("a", "'sigma_s_per_m':0,'sigma_a_per_m':0.5", "'type':'constant'"), "'a'");
+    check_received(&scene, (al_receiver){{0, 0, 0}, {0, 1, 0}}, 16384, 0, expected, 0.01 * expected);
+    close_scene(&scene);
+}
+
+/* A lamp on a surface is in front of it, seen from either side: I cos / d^2. Receivers begin 2e-6 of the scene off. */
+static void test_lamp_on_surface(void)
+{
+    test_scene scene = open_paths(al_mode_unlimited, lamps_over_floor,
+                                  "{'type':'point','position_m':[0.25,0,0.125],'intensity_w_sr':2}", "", "");
+    double noise;
+    for (int side = -1; side <= 1; side += 2) {
+        const al_receiver receiver = {{0.25, 0.5 * side, 0.125}, {0, -side, 0}};
+        CHECK_NEAR(receive(&scene, &receiver, 16, 0, &noise), 2 / 0.25, 1e-4);
+        CHECK(noise < 1e-12);
+    }
+    close_scene(&scene);
+}
+
 int main(void)
 {
     test_furnace();
@@ -314,5 +415,8 @@ int main(void)
     test_airlight();
     test_orders();
     test_object();
+    test_map();
+    test_many_lamps();
+    test_lamp_on_surface();
     return test_end();
 }
