@@ -172,7 +172,7 @@ static int axis_beyond(uint16_t beyond, int corner)
     return (beyond >> 2 * corner & 3) - 1;
 }
 
-/* False where no corner is seen; then all that are in air count. */
+/* False where no corner is seen; then all that are in air count, or all where none is. */
 static bool find_corners(const al_fog_points *points, const double position[3], corners *c)
 {
     double share[3], sum = 0;
@@ -188,12 +188,15 @@ static bool find_corners(const al_fog_points *points, const double position[3], 
     }
     uint8_t seen = points->seen[number * CORNERS + eighth];
     uint16_t beyond = points->beyond[number * CORNERS + eighth];
+    uint8_t air = 0;
+    for (int i = 0; i < CORNERS; i++) air |= (uint8_t)(!points->is_inside[corner_of(points, cell, i)] << i);
+    uint8_t taken = seen ? seen : air ? air : 0xff;
     c->count = 0;
     for (int i = 0; i < CORNERS; i++) {
         double weight = 1;
         uint32_t index = corner_of(points, cell, i);
         for (int k = 0; k < 3; k++) weight *= i >> k & 1 ? share[k] : 1 - share[k];
-        if (seen ? seen >> i & 1 : !points->is_inside[index]) {
+        if (taken >> i & 1) {
             take(c, index, weight);
             sum += weight;
         } else if (axis_beyond(beyond, i) >= 0) {
@@ -274,6 +277,28 @@ double al_fog_points_cell_m(const al_fog_points *points)
     return fmax(fmax(points->spacing_m[0], points->spacing_m[1]), points->spacing_m[2]);
 }
 
+static bool is_seen(const al_gather *gather, const double from[3], const double to[3])
+{
+    al_ray ray;
+    double square = 0;
+    for (int k = 0; k < 3; k++) {
+        ray.origin[k] = from[k];
+        ray.direction[k] = to[k] - from[k];
+        square += ray.direction[k] * ray.direction[k];
+    }
+    for (int k = 0; k < 3; k++) ray.direction[k] /= sqrt(square);
+    return !al_ray_scene_is_blocked(gather->rays, &ray, sqrt(square));
+}
+
+/* The middle of the eighth of a cell that holds a place. */
+static void middle_of_eighth(const al_fog_points *points, const double position[3], double middle[3])
+{
+    for (int k = 0; k < 3; k++) {
+        double half_m = 0.5 * points->spacing_m[k];
+        middle[k] = points->low[k] + (floor((position[k] - points->low[k]) / half_m) + 0.5) * half_m;
+    }
+}
+
 static bool is_within(const al_fog_points *points, const double position[3])
 {
     for (int k = 0; k < 3; k++) {
@@ -287,10 +312,15 @@ static bool is_within(const al_fog_points *points, const double position[3])
 bool al_fog_points_irradiance(const al_fog_points *points, const double position[3], const double normal[3],
                               double irradiance[3])
 {
-    double basis[AL_SH_MAX_COUNT], before[3];
+    double basis[AL_SH_MAX_COUNT], off[3], before[3], middle[3];
     corners c;
-    for (int k = 0; k < 3; k++) before[k] = position[k] + 0.5 * points->spacing_m[k] * normal[k];
+    for (int k = 0; k < 3; k++) {
+        off[k] = position[k] + 1e-3 * points->spacing_m[k] * normal[k];
+        before[k] = position[k] + 0.5 * points->spacing_m[k] * normal[k];
+    }
     if (!is_within(points, position) || !find_corners(points, before, &c)) return false;
+    middle_of_eighth(points, before, middle);
+    if (!is_seen(points->gather, off, middle)) return false;
     al_sh_basis(ARRIVING_ORDER, normal[0], normal[1], normal[2], basis);
     for (int k = 0; k < ARRIVING_TERMS; k++) basis[k] *= k < 1 ? AL_PI : k < 4 ? 2 * AL_PI / 3 : AL_PI / 4;
     irradiance[0] = irradiance[1] = irradiance[2] = 0;
@@ -367,19 +397,6 @@ static bool look_at_lamps(void *user, unsigned index, unsigned thread)
         for (int k = 0; k < 3; k++) out[k] = (float)transmittance[k];
     }
     return go_on(b, index, points->count, thread);
-}
-
-static bool is_seen(const al_gather *gather, const double from[3], const double to[3])
-{
-    al_ray ray;
-    double square = 0;
-    for (int k = 0; k < 3; k++) {
-        ray.origin[k] = from[k];
-        ray.direction[k] = to[k] - from[k];
-        square += ray.direction[k] * ray.direction[k];
-    }
-    for (int k = 0; k < 3; k++) ray.direction[k] /= sqrt(square);
-    return !al_ray_scene_is_blocked(gather->rays, &ray, sqrt(square));
 }
 
 static bool look_at_corners(void *user, unsigned number, unsigned thread)

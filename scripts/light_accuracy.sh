@@ -11,6 +11,8 @@ tables=${1:-out/tables.air}
 reference=${AIRLIGHT_SHARED:-../shared}/reference
 [ -f "$reference/room.obj" ] || { echo "SKIP: no reference data in $reference"; exit 0; }
 mkdir -p out
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
 [ -f "$tables" ] || "$bin/airlight-bake" --tables "$tables" --quiet
 
 # error SCENE CSV WALLS: relative RMSE and, in brackets, the gather's own noise, percent.
@@ -34,9 +36,23 @@ for walls in published bounded traced; do
 done
 echo "|"
 
+# The atrium, scattered light at the middles of 96 triangles, against our own path tracer.
+if [ -f "$scenes/atrium_fog.json" ]; then
+    "$bin/airlight-bench-gather" "$scenes/atrium_fog.json" --list 96 >"$folder/places.csv"
+    "$bin/airlight-reference" "$scenes/atrium_fog.json" --mode volume-path --spp 65536 --min-events 1 --quiet \
+        --points "$folder/places.csv" -o "$folder/atrium.csv"
+    for points in 16 24; do
+        printf '| atrium, scattered, %s fog points ' $points
+        for walls in published bounded traced; do
+            printf '| %s ' "$("$bin/gather_points" "$scenes/atrium_fog.json" "$folder/atrium.csv" --layer scattered \
+                --walls $walls --tables "$tables" --fog-points $points --bounces 8 --repeats 2 --samples 4096 |
+                awk '{ printf "%.1f (%.2f)", 100 * $1, $2 }')"
+        done
+        echo "|"
+    done
+fi
+
 # Closed box of 2 m, walls emit 1 and reflect 1/2, fog without absorption: irradiance is 2 pi.
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
 {
     echo "x,y,z,nx,ny,nz,E_r,E_g,E_b,se_r,se_g,se_b"
     for place in 0.3,-1,0.2 -0.7,-1,0.6 0,-1,0 0.9,-1,-0.9; do

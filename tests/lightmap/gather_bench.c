@@ -1,10 +1,12 @@
 /* What fog costs: processor time of gathering with each setting over that of surfaces alone, in one process.
  * Usage: airlight-bench-gather SCENE.json TABLES.air [POINTS]. Points are the middles of triangles, evenly
- * taken from all there are. Rounds of the settings take turns, each point's least time counts. Not a test.
+ * taken from all there are; with --list in place of the tables they are printed as airlight-reference
+ * --points reads them. Rounds of the settings take turns, each point's least time counts. Not a test.
  */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #include "gather.h"
@@ -140,6 +142,15 @@ static al_status compare(const al_import *import, const al_impulse_tables *table
     return status;
 }
 
+static void list(const point *points, uint32_t count)
+{
+    printf("x,y,z,nx,ny,nz\n");
+    for (uint32_t i = 0; i < count; i++) {
+        const double *p = points[i].position, *n = points[i].normal;
+        printf("%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", p[0], p[1], p[2], n[0], n[1], n[2]);
+    }
+}
+
 int main(int argc, char **argv)
 {
     static point points[POINT_LIMIT];
@@ -148,11 +159,16 @@ int main(int argc, char **argv)
     al_impulse_tables *tables = NULL;
     al_error error = {0};
     if (argc < 3) {
-        fprintf(stderr, "usage: airlight-bench-gather SCENE.json TABLES.air [POINTS]\n");
+        fprintf(stderr, "usage: airlight-bench-gather SCENE.json TABLES.air|--list [POINTS]\n");
         return AL_USAGE;
     }
     uint32_t wanted = argc > 3 ? (uint32_t)atoi(argv[3]) : 400;
     al_status status = al_import_scene(argv[1], AL_QUALITY_FINAL, &import, &error);
+    if (!status && !strcmp(argv[2], "--list")) {
+        list(points, choose_points(&import->scene, wanted, points));
+        al_import_free(import);
+        return AL_OK;
+    }
     if (!status) status = al_file_open(argv[2], NULL, &file, &error);
     if (!status) status = al_impulse_tables_read(file, &tables, &error);
     for (int quality = AL_QUALITY_PREVIEW; quality <= AL_QUALITY_FINAL && !status; quality += 2) {
