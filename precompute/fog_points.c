@@ -212,19 +212,6 @@ static bool find_corners(const al_fog_points *points, const double position[3], 
     return seen && sum > 1e-6;
 }
 
-void al_fog_points_lamp(const al_fog_points *points, uint32_t lamp, const double position[3],
-                        double transmittance[3])
-{
-    corners c;
-    find_corners(points, position, &c);
-    transmittance[0] = transmittance[1] = transmittance[2] = 0;
-    for (int i = 0; i < c.count; i++) {
-        const float *t = points->transmittance + ((size_t)c.index[i] * points->lamps + lamp) * 3;
-        for (int k = 0; k < 3; k++) transmittance[k] += c.weight[i] * t[k];
-    }
-    for (int k = 0; k < 3; k++) transmittance[k] = fmin(fmax(transmittance[k], 0), 1);
-}
-
 /* Beyond the lattice light thins out as it does around a body of its size. */
 static double thinning(const al_fog_points *points, const double position[3])
 {
@@ -305,6 +292,21 @@ static bool is_within(const al_fog_points *points, const double position[3])
         double at = (position[k] - points->low[k]) / points->spacing_m[k];
         if (!(at >= -edge_cells && at <= points->size[k] + edge_cells)) return false;
     }
+    return true;
+}
+
+bool al_fog_points_lamp(const al_fog_points *points, uint32_t lamp, const double position[3],
+                        double transmittance[3])
+{
+    corners c;
+    if (!is_within(points, position)) return false;
+    find_corners(points, position, &c);
+    transmittance[0] = transmittance[1] = transmittance[2] = 0;
+    for (int i = 0; i < c.count; i++) {
+        const float *t = points->transmittance + ((size_t)c.index[i] * points->lamps + lamp) * 3;
+        for (int k = 0; k < 3; k++) transmittance[k] += c.weight[i] * t[k];
+    }
+    for (int k = 0; k < 3; k++) transmittance[k] = fmin(fmax(transmittance[k], 0), 1);
     return true;
 }
 

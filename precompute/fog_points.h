@@ -34,8 +34,8 @@ bool al_fog_points_irradiance(const al_fog_points *points, const double position
                               double irradiance[3]);
 /* The longest edge of the lattice's cells. */
 double al_fog_points_cell_m(const al_fog_points *points);
-/* Transmittance from a lamp of the scene, shadows included. */
-void al_fog_points_lamp(const al_fog_points *points, uint32_t lamp, const double position[3],
+/* Transmittance from a lamp of the scene, shadows included. False where no point knows. */
+bool al_fog_points_lamp(const al_fog_points *points, uint32_t lamp, const double position[3],
                         double transmittance[3]);
 
 #endif

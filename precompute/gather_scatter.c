@@ -8,7 +8,8 @@
  * is split by where it comes from:
  *   - straight from a lamp (point, sun): L = lamp's irradiance times its transmittance; a point's is sharp,
  * so that t is drawn anew, half the time by equal angles about the lamp (Kulla and Fajardo 2012). The
- *     transmittance, shadows included, is interpolated between the fog points: no ray is traced;
+ *     transmittance, shadows included, is interpolated between the fog points: no ray is traced but beyond
+ * them;
  *   - all else: interpolated between the fog points as spherical harmonics, of which a Henyey-Greenstein
  * phase function takes band l times g^l. Traced walls ask a shadow ray for the first and take emissive
  * surfaces and the sky out of the second the same way, so that light scattered once is exact. */
@@ -203,10 +204,9 @@ static void add_once(const al_gather *gather, const flight *f, al_light_kind kin
         if (!redraw(f, light.target, u, &at)) return;
         if (!al_gather_light_move(&light, at.position)) return;
     }
-    if (gather->options.walls == AL_WALLS_TRACED)
+    if (gather->options.walls == AL_WALLS_TRACED ||
+        !al_fog_points_lamp(gather->points, light.lamp, at.position, transmittance))
         trace_transmittance(gather, at.position, &light, transmittance);
-    else
-        al_fog_points_lamp(gather->points, light.lamp, at.position, transmittance);
     double phase = al_phase(at.cell->g, dot(light.direction, way->ray.direction));
     for (int c = 0; c < 3; c++)
         way->scattered[c] += at.power[c] * phase * light.power[c] * light.facing * transmittance[c];

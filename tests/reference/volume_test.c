@@ -316,9 +316,9 @@ static void map_direction(double u, double v, double direction[3])
     direction[2] = -sin(theta) * cos(phi);
 }
 
-/* A map that brightens from the ground up and around, with one pixel of 300: on a tilted receiver in the middle of a
- * cube of absorbing fog of 2 m, against the sum over 48 x 48 places a pixel (edges of the hemisphere and of the cube's
- * faces cross a few of them: 1e-3). A ray through it is exact. */
+/* A map that brightens from the ground up and around, with one pixel of 300: on a tilted receiver in the
+ * middle of a cube of absorbing fog of 2 m, against the sum over 48 x 48 places a pixel (edges of the
+ * hemisphere and of the cube's faces cross a few of them: 1e-3). A ray through it is exact. */
 static void test_map(void)
 {
     enum { WIDTH = 16, HEIGHT = 8, FINE = 48 };
@@ -330,7 +330,8 @@ static void test_map(void)
     for (int i = 0; i < WIDTH * HEIGHT * 3; i++)
         pixels[i] = 0.25f * (float)(HEIGHT - i / 3 / WIDTH) + 0.125f * (float)(i / 3 % WIDTH);
     for (int c = 0; c < 3; c++) pixels[(2 * WIDTH + 11) * 3 + c] = 300;
-    CHECK(al_image_write_exr(path, &(al_image){.width = WIDTH, .height = HEIGHT, .channels = 3, .pixels = pixels},
+    CHECK(al_image_write_exr(path,
+                             &(al_image){.width = WIDTH, .height = HEIGHT, .channels = 3, .pixels = pixels},
                              &error) == AL_OK);
     for (int i = 0; i < 2; i++) {
         double sum = 0, exact, direction[3];
@@ -353,7 +354,8 @@ static void test_map(void)
                 "a", "'sigma_s_per_m':0,'sigma_a_per_m':0.75",
                 "'type':'constant','bounds_min_m':[-1,-1,-1],'bounds_max_m':[1,1,1]") "],'fogs':[%s]}",
             path, i ? "'a'" : "");
-        double noise, value = receive(&scene, &(al_receiver){{0, 0, 0}, {0.48, 0.8, -0.36}}, 16384, 0, &noise);
+        double noise,
+            value = receive(&scene, &(al_receiver){{0, 0, 0}, {0.48, 0.8, -0.36}}, 16384, 0, &noise);
         CHECK_NEAR(value, sum, sigmas * noise + 1e-3 * sum);
         CHECK(noise < 0.01 * sum);
         map_direction(11.5 / WIDTH, 2.5 / HEIGHT, direction);
@@ -380,8 +382,8 @@ static void test_many_lamps(void)
     for (int i = 0; i < 64; i++) {
         double x = i % 8 * 0.25 - 0.7, z = i / 8 * 0.2 - 0.3, square = x * x + z * z + 1, d = sqrt(square);
         used += snprintf(lamps + used, sizeof lamps - (size_t)used,
-                         "%s{'type':'point','position_m':[%.9g,1,%.9g],'intensity_w_sr':%.9g}", i ? "," : "", x, z,
-                         1.0 + i % 5);
+                         "%s{'type':'point','position_m':[%.9g,1,%.9g],'intensity_w_sr':%.9g}", i ? "," : "",
+                         x, z, 1.0 + i % 5);
         expected += (1.0 + i % 5) * exp(-0.5 * d) / (square * d);
     }
     test_scene scene =
@@ -391,7 +393,8 @@ static void test_many_lamps(void)
     close_scene(&scene);
 }
 
-/* A lamp on a surface is in front of it, seen from either side: I cos / d^2. Receivers begin 2e-6 of the scene off. */
+/* A lamp on a surface is in front of it, seen from either side: I cos / d^2. Receivers begin 2e-6 of the
+ * scene off. */
 static void test_lamp_on_surface(void)
 {
     test_scene scene = open_paths(al_mode_unlimited, lamps_over_floor,

@@ -320,9 +320,10 @@ static void test_plan(void)
     }
 }
 
-/* Lobes of 0.01 radians, looked into and away from: the sun ahead, so that light goes 2 m through the fog wherever it
- * turns, L = sigma_s p(1) 2 exp(-2 sigma_t); and the sun behind the eye as in test_sun. A view so narrow that the angle
- * changes p by less than 3e-4; in floats (1 - |g|)^2 is 1e-4 within 6e-8 twice, so p within 1.5 x 1.2e-3. */
+/* Lobes of 0.01 radians, looked into and away from: the sun ahead, so that light goes 2 m through the fog
+ * wherever it turns, L = sigma_s p(1) 2 exp(-2 sigma_t); and the sun behind the eye as in test_sun. A view so
+ * narrow that the angle changes p by less than 3e-4; in floats (1 - |g|)^2 is 1e-4 within 6e-8 twice, so p
+ * within 1.5 x 1.2e-3. */
 static void test_narrow(float g)
 {
     static double image[EDGE * EDGE * 3];
@@ -335,7 +336,8 @@ static void test_narrow(float g)
         for (int c = 0; c < 3; c++) {
             double t = sigma_s[c] + sigma_a[c];
             double length = ahead ? 2 * exp(-2 * t) : (1 - exp(-4 * t)) / (2 * t);
-            CHECK_NEAR(around(image, EDGE, c) / (sigma_s[c] * al_phase(g, ahead ? 1 : -1) * length), 1, 4e-3 + 1.8e-3);
+            CHECK_NEAR(around(image, EDGE, c) / (sigma_s[c] * al_phase(g, ahead ? 1 : -1) * length), 1,
+                       4e-3 + 1.8e-3);
         }
     }
     al_runtime_destroy(runtime);
@@ -363,9 +365,10 @@ static double largest_difference(const double *image, const double *expected, do
     return worst;
 }
 
-/* Light is linear: 64 lamps are one of 64 times their strength, and lights of 1e-6 and 1e6 draw the same picture.
- * Floats add up 2 lights in 32 cells each. By a power of two nothing rounds differently. Each lamp draws its own places
- * in its cells: 0.6 % a pixel, see test_sun, its 17th part on average; four standard errors. */
+/* Light is linear: 64 lamps are one of 64 times their strength, and lights of 1e-6 and 1e6 draw the same
+ * picture. Floats add up 2 lights in 32 cells each. By a power of two nothing rounds differently. Each lamp
+ * draws its own places in its cells: 0.6 % a pixel, see test_sun, its 17th part on average; four standard
+ * errors. */
 static void test_linear(void)
 {
     static double plain[EDGE * EDGE * 3], other[EDGE * EDGE * 3];
