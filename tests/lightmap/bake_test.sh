@@ -198,23 +198,27 @@ for set in $overlapping $flat; do
 done
 rm -rf "$work/wrong"
 
-# One triangle, from a tenth of a millimetre to ten kilometres, and one in a single texel, under a sky of 1: pi, from
-# cosine-distributed directions that all find the same within what halfs and draws of the sky allow, 1 %.
+# One triangle, from a tenth of a millimetre to ten kilometres, and one in a single texel, under a sky of 1, of a millionth
+# and of a million: pi times that, from cosine-distributed directions that all find the same within what halfs and draws of
+# the sky allow, 1 %.
 printf 'v 0 0 0\nv 0 0 1\nv 1 0 0\nf 1 2 3\n' >"$work/triangle.obj"
 triangle() {
     cat >"$work/triangle.json" <<SCENE
 {"meshes": [{"name": "t", "file": "triangle.obj", "unit_m": $1, "lighting": "lightmap"}],
- "environment": {"radiance_w_m2_sr": 1}, "lightmap": {"samples": 256$2}}
+ "environment": {"radiance_w_m2_sr": $3}, "lightmap": {"samples": 256$2}}
 SCENE
     run 0 "$bin/airlight-bake" "$work/triangle.json" -o "$work/triangle" --quiet --quality preview
     run 0 "$bin/airlight-inspect" --json "$work/triangle/triangle.lightmap.air"
-    tr -d ' \n' <"$work/stdout" | sed 's/.*"surface":{"mean_w_m2":\[\([0-9.]*\),.*/\1/' |
-        awk '{ exit !($1 > 0.99 * 3.1416 && $1 < 1.01 * 3.1416) }' || wrong "a triangle of $1 m$2: $(cat "$work/stdout")"
+    tr -d ' \n' <"$work/stdout" | sed 's/.*"surface":{"mean_w_m2":\[\([0-9.e+-]*\),.*/\1/' |
+        awk -v sky="$3" '{ exit !($1 > 0.99 * 3.1416 * sky && $1 < 1.01 * 3.1416 * sky) }' ||
+        wrong "a triangle of $1 m$2 under a sky of $3: $(cat "$work/stdout")"
 }
-triangle 1e-4 ""
-triangle 1 ""
-triangle 1e4 ""
-triangle 1 ', "texel_m": 10'
+triangle 1e-4 "" 1
+triangle 1 "" 1
+triangle 1e4 "" 1
+triangle 1 ', "texel_m": 10' 1
+triangle 1 "" 1e-6
+triangle 1 "" 1e6
 
 # Another scene in the same folder and back: the picture is of the lightmap that was asked for last.
 sed 's/"radiance_w_m2_sr": 1/"radiance_w_m2_sr": 0.25/' "$work/triangle.json" >"$work/dim.json"

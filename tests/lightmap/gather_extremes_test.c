@@ -161,6 +161,32 @@ static void test_strength(al_walls walls)
     }
 }
 
+/* The same under a sky and a sun. */
+static void test_sky_strength(al_walls walls)
+{
+    static const double factors[] = {1, 0x1p-20, 0x1p20, 1e-6, 1e6};
+    const double origin[3] = {0.25, 0, 0.125}, up[3] = {0, 1, 0};
+    al_gathered unit = {0};
+    for (int i = 0; i < 5; i++) {
+        char text[1024];
+        al_gather_options options = options_for(walls);
+        snprintf(text, sizeof text,
+                 "{'meshes':[{'name':'floor','shape':{'type':'plane'}},{'name':'block','shape':{'type':'box',"
+                 "'size_m':0.25}}],'environment':{'radiance_w_m2_sr':%.9g},"
+                 "'lights':[{'type':'directional','direction':[0.6,-0.8,0],'irradiance_w_m2':%.9g}],"
+                 "'media':[{'name':'fog','sigma_s_per_m':0.5,'sigma_a_per_m':0.25,'density':{'type':'constant',"
+                 "'bounds_min_m':[-1,-1,-1],'bounds_max_m':[1,1,1]}}],'fogs':['fog']}",
+                 factors[i], factors[i]);
+        test_gather test = open_gather(text, tables, &options);
+        al_gathered lit = gather_at(&test, origin, up, 3);
+        if (i == 0) unit = lit;
+        CHECK(is_good(&lit) && lit.scattered[0] > 0);
+        double worst = all_difference(&lit, &unit, 1, factors[i]);
+        CHECK(worst <= (i < 3 ? 0 : 512 * 16 * float_rounding));
+        close_gather(&test);
+    }
+}
+
 /* --- size of the scene --- */
 
 /* The same scene in other metres, its fog as dense for its size. Light from surfaces is the same, from a lamp
@@ -501,6 +527,7 @@ int main(int argc, char **argv)
     for (al_walls walls = AL_WALLS_PUBLISHED; walls <= AL_WALLS_TRACED; walls++) {
         if (!can_ask(walls)) continue;
         test_strength(walls);
+        test_sky_strength(walls);
         test_size(walls);
         test_thin(walls);
         test_dense(walls);
