@@ -210,10 +210,10 @@ static int compare_losses(const void *a, const void *b)
 
 /* The density above which the medium takes a quarter of the light that it takes. Along w the transmittance
  * grows by sigma_t psi, so div T = integral of w . grad psi dw = sigma_t integral of psi dw: what is lost at
- * a place that is lit from all sides. That is at most 4 pi sigma_t, which holds down the noise of differences
- * in shadows. In an even medium the answer is its density; in an uneven one a dense speck counts by its
- * surface: little in smoke, all in nothing. */
-static al_status upper_quarter(const work *w, double sigma_t, double *density, al_error *error)
+ * a place that is lit from all sides, in the mean channel. That is at most 4 pi sigma_t, which holds down the
+ * noise of differences in shadows. In an even medium the answer is its density; in an uneven one a dense
+ * speck counts by its surface: little in smoke, all in nothing. */
+static al_status upper_quarter(const work *w, double *density, al_error *error)
 {
     size_t count = 0, total = al_grid_count(&w->grid);
     loss *losses = malloc((total + 1) * sizeof *losses);
@@ -221,7 +221,7 @@ static al_status upper_quarter(const work *w, double sigma_t, double *density, a
     if (!losses) return al_fail(error, AL_IO, "%s: out of memory for its densities", w->object->name);
     for (size_t i = 0; i < total; i++) {
         if (!w->grid.inside[i]) continue;
-        float most = (float)(4 * AL_PI * sigma_t) * w->grid.density[i];
+        float most = (float)(4 * AL_PI * w->sigma_mean) * w->grid.density[i];
         losses[count] = (loss){w->grid.density[i], fminf(w->rho[i], most)};
         lost += losses[count++].rho;
     }
@@ -242,7 +242,7 @@ static const double radii_per_path = 2;
 static al_status check_skin(const work *w, al_error *error)
 {
     double density = 0, sigma_t = fmax(fmax(w->sigma_t[0], w->sigma_t[1]), w->sigma_t[2]);
-    al_status status = upper_quarter(w, sigma_t, &density, error);
+    al_status status = upper_quarter(w, &density, error);
     if (status != AL_OK) return status;
     double extinction = sigma_t * density, radius = w->samples.radius_m;
     if (radii_per_path * extinction * radius <= 1) return AL_OK;
