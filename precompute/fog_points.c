@@ -5,7 +5,8 @@
  * y where the ray meets a surface. Each point traces paths over surfaces (Lo) once; wherever such a path
  * crosses fog it takes one place at random and records what J there would count. With J interpolated between
  * the points, L is linear in itself, and Jacobi's iteration adds one order of scattering each time. Weights
- * add up to at most what absorption leaves, so that it converges as the light does.
+ * add up to at most what absorption leaves: were all positive, it would have to converge as the light does.
+ * Some are not, beside walls (below); light that grows is refused.
  *
  * L is kept as spherical harmonics. A Henyey-Greenstein phase function takes band l times g^l, so that bands
  * are kept until |g|^l is below 1/50, at most ORDER_LIMIT: isotropic fog keeps one number a channel.
@@ -345,8 +346,8 @@ typedef struct building {
     const al_gather *gather;
     al_gather_scratch **scratches; /* [thread] */
     al_fog_records *records;       /* [point] */
-    float *fixed, *straight,
-        *next;   /* [point][channel][terms]: without fog's own light; straight from lights */
+    /* [point][channel][terms]: without fog's own light; straight from lights; of the next step */
+    float *fixed, *straight, *next;
     bool *known; /* [point]: has a value of its own, or was given one */
     uint32_t samples;
     double done, total; /* pieces of work of all passes, about */
@@ -615,8 +616,8 @@ static bool iterate(building *b)
         }
         memcpy(points->sh, b->next, sizeof(float) * numbers);
     }
-    if (!al_parallel(b->gather->options.threads, points->count, collect_arriving, b)) return false;
-    if (b->gather->options.walls != AL_WALLS_TRACED) return true;
+    if (b->gather->options.walls != AL_WALLS_TRACED)
+        return al_parallel(b->gather->options.threads, points->count, collect_arriving, b);
     for (size_t k = 0; k < numbers; k++) points->sh[k] -= b->straight[k];
     return true;
 }

@@ -1,9 +1,9 @@
 /* The light that arrives at a point: what a lightmap texel or a light probe holds.
  *
- * Three layers, all from the same paths: `surface`, as if there were no fog; `attenuated`, the fog only
- * absorbs and takes away what it scatters; `scattered`, what the fog adds to that: everything that was
- * scattered once or more often, on any part of its way. Final light is attenuated + scattered. Surfaces
- * reflect as two-sided Lambert ones. The method: docs/methods.md.
+ * Three layers: `surface`, as if there were no fog; `attenuated`, the fog only absorbs and takes away what it
+ * scatters; `scattered`, what the fog adds to that: everything that was scattered once or more often, on any
+ * part of its way. Final light is attenuated + scattered. Surfaces reflect as two-sided Lambert ones. The
+ * method: docs/methods.md.
  *
  * Thread safety: any number of threads may ask one gather, each with a scratch of its own. What is answered
  * depends on the arguments alone. */

@@ -24,9 +24,9 @@ typedef struct al_gather_way {
     al_gather_layers sent; /* radiance that leaves the far end along the ray: of surface or sky */
 } al_gather_way;
 
-/* Fills the way from its ray, density, `asks` and `places`. `bounces`: diffuse reflections that may follow,
- * the one at its end included. `carried`: what arriving radiance is multiplied with on its way to the path's
- * first point; `importance`: the share that surfaces leave of it, for Russian roulette. */
+/* Fills the way from its ray, density, `asks`, `scatters` and `places`. `bounces`: diffuse reflections that
+ * may follow, the one at its end included. `carried`: what arriving radiance is multiplied with on its way to
+ * the path's first point; `importance`: the share that surfaces leave of it, for Russian roulette. */
 bool al_gather_follow(const al_gather *gather, al_gather_scratch *scratch, uint32_t bounces,
                       const double carried[3], double importance, al_sequence *sequence, al_gather_way *way);
 
@@ -36,21 +36,20 @@ bool al_gather_is_dark(const al_gather_way *way);
 /* The light of one kind that reaches a vertex straight. */
 typedef struct al_gather_straight {
     al_light_sample light;
-    double transmittance[3]; /* of the fog, and 0 behind what is opaque */
+    double transmittance[3]; /* of the fog */
     al_fog_mean fog;         /* where responses are asked */
     double share;            /* of this way to find the light, against directions drawn at the vertex */
 } al_gather_straight;
 
-/* Draws a light and looks whether it is there. `density_per_sr` is the vertex' own of a direction. False when
- * nothing arrives. */
+/* Draws a light and looks whether it is there. False when nothing arrives. */
 bool al_gather_look(const al_gather *gather, al_gather_scratch *scratch, const al_gather_vertex *vertex,
                     al_light_kind kind, al_sequence *sequence, al_gather_straight *straight);
 
 /* The side of a surface that a ray met. */
 al_gather_vertex al_gather_vertex_of(const al_surface_hit *hit);
 
-/* Where light of the fog points counts: lets directions be drawn about the point lamp that glows brightest there,
- * by its intensity over the distance. */
+/* Where light of the fog points counts: lets directions be drawn about the point lamp that glows brightest
+ * there, by its intensity over the distance. */
 void al_gather_find_glow(const al_gather *gather, al_gather_vertex *vertex);
 
 /* Where rays from the vertex along `direction` begin. */

@@ -246,10 +246,12 @@ static bool step(const al_gather *gather, al_gather_scratch *scratch, al_gather_
                                  &way.fog);
     if (*failed) return false;
     double cosine = vertex->in_air ? 0.25 : dot(vertex->normal, way.ray.direction);
-    if (!vertex->in_air && al_gather_source_of_way(&way, &source, &scale))
+    if (!vertex->in_air && al_gather_source_of_way(&way, &source, &scale)) {
         al_gather_response(gather, &source, vertex->normal, response);
+        for (int c = 0; c < 3; c++) response[c] *= scale;
+    }
     for (int c = 0; c < 3; c++) {
-        double arrives = cosine * way.transmittance[c] + scale * response[c];
+        double arrives = cosine * way.transmittance[c] + response[c];
         carried[c] *= way.hit.albedo[c] * arrives / (AL_PI * way.density_per_sr);
     }
     *vertex = al_gather_vertex_of(&way.hit);

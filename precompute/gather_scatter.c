@@ -7,12 +7,13 @@
  * neither lost nor gained. The integral is estimated by one distance t, drawn in proportion to T sigma_t. L
  * is split by where it comes from:
  *   - straight from a lamp (point, sun): L = lamp's irradiance times its transmittance; a point's is sharp,
- * so that t is drawn anew, half the time by equal angles about the lamp (Kulla and Fajardo 2012). The
+ *     so that t is drawn anew, half the time by equal angles about the lamp (Kulla and Fajardo 2012). The
  *     transmittance, shadows included, is interpolated between the fog points: no ray is traced but beyond
- * them;
+ *     them;
  *   - all else: interpolated between the fog points as spherical harmonics, of which a Henyey-Greenstein
- * phase function takes band l times g^l. Traced walls ask a shadow ray for the first and take emissive
- * surfaces and the sky out of the second the same way, so that light scattered once is exact. */
+ *     phase function takes band l times g^l.
+ * Traced walls ask a shadow ray for the first and take emissive surfaces and the sky out of the second the
+ * same way, so that light scattered once is exact. */
 #include "gather_scatter.h"
 
 #include <math.h>
@@ -29,8 +30,7 @@ typedef struct place {
     const al_fog_cell *cell; /* NULL: in vacuum */
     double distance_m;
     double position[3];
-    double
-        power[3]; /* transmittance to the ray's origin times sigma_s over the density of drawing the place */
+    double power[3]; /* transmittance to the ray's origin times sigma_s, over the density of drawing it */
 } place;
 
 /* --- drawing distances --- */
@@ -249,7 +249,6 @@ bool al_gather_scatter(const al_gather *gather, al_gather_scratch *scratch, cons
 {
     double u[2];
     place at;
-    if (!gather->fog.scatters) return true;
     flight f = flight_along(&scratch->fog, &way->ray, 0, gather->fog.grey ? 1 : 3);
     if (!f.count) return true;
     al_sequence_pair(sequence, u);
