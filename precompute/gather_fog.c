@@ -210,6 +210,12 @@ bool al_fog_along(const al_fog_media *fog, const al_ray *ray, double end_m, al_f
     return true;
 }
 
+void al_fog_transmit(const al_fog_media *fog, const double depth[3], double transmittance[3])
+{
+    transmittance[0] = exp(-depth[0]);
+    for (int c = 1; c < 3; c++) transmittance[c] = fog->grey ? transmittance[0] : exp(-depth[c]);
+}
+
 /* Optical depth per unit of sigma_t: the density's integral. */
 static double length_of(const al_fog_medium *medium, const al_ray *ray, double from, double to)
 {
@@ -231,8 +237,7 @@ void al_fog_transmittance(const al_fog_media *fog, const al_ray *ray, double end
         for (int c = 0; c < 3; c++)
             if (medium->sigma_t_per_m[c] > 0) depth[c] += medium->sigma_t_per_m[c] * length_m;
     }
-    transmittance[0] = exp(-depth[0]);
-    for (int c = 1; c < 3; c++) transmittance[c] = fog->grey ? transmittance[0] : exp(-depth[c]);
+    al_fog_transmit(fog, depth, transmittance);
 }
 
 static al_fog_mean mean_of(const al_fog_path *path, double length_m)
@@ -283,7 +288,6 @@ bool al_fog_mean_along(const al_fog_media *fog, const al_ray *ray, double length
         if (!al_fog_along(fog, ray, length_m, path)) return false;
         *mean = mean_of(path, length_m);
     }
-    transmittance[0] = exp(-path->depth[0]);
-    for (int c = 1; c < 3; c++) transmittance[c] = fog->grey ? transmittance[0] : exp(-path->depth[c]);
+    al_fog_transmit(fog, path->depth, transmittance);
     return true;
 }

@@ -48,7 +48,9 @@ void al_fog_path_free(al_fog_path *path);
 
 /* The fog from the ray's origin to end_m (INFINITY allowed). False without memory. */
 bool al_fog_along(const al_fog_media *fog, const al_ray *ray, double end_m, al_fog_path *path);
-/* Only its transmittance, per channel. */
+/* The transmittance of an optical depth, per channel: one exponential in grey fog. */
+void al_fog_transmit(const al_fog_media *fog, const double depth[3], double transmittance[3]);
+/* Only the transmittance of that fog, per channel. */
 void al_fog_transmittance(const al_fog_media *fog, const al_ray *ray, double end_m, double transmittance[3]);
 
 /* The mean over the ray's first length_m, the last place with fog if it is INFINITY: what a table of

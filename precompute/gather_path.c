@@ -298,9 +298,7 @@ static bool pass_points(const al_gather *gather, al_gather_scratch *scratch, con
 {
     double length_m = way->met ? way->hit.distance_m : INFINITY;
     if (!al_fog_along(&gather->fog, &way->ray, length_m, &scratch->fog)) return false;
-    way->transmittance[0] = exp(-scratch->fog.depth[0]);
-    for (int c = 1; c < 3; c++)
-        way->transmittance[c] = gather->fog.grey ? way->transmittance[0] : exp(-scratch->fog.depth[c]);
+    al_fog_transmit(&gather->fog, scratch->fog.depth, way->transmittance);
     return al_gather_scatter(gather, scratch, carried, sequence, way);
 }
 
