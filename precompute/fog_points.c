@@ -173,6 +173,14 @@ static int axis_beyond(uint16_t beyond, int corner)
     return (beyond >> 2 * corner & 3) - 1;
 }
 
+/* One bit for each corner in air, or all where none is. */
+static uint8_t corners_in_air(const al_fog_points *points, const int32_t cell[3])
+{
+    uint8_t air = 0;
+    for (int i = 0; i < CORNERS; i++) air |= (uint8_t)(!points->is_inside[corner_of(points, cell, i)] << i);
+    return air ? air : 0xff;
+}
+
 /* False where no corner is seen; then all that are in air count, or all where none is. */
 static bool find_corners(const al_fog_points *points, const double position[3], corners *c)
 {
@@ -189,9 +197,7 @@ static bool find_corners(const al_fog_points *points, const double position[3], 
     }
     uint8_t seen = points->seen[number * CORNERS + eighth];
     uint16_t beyond = points->beyond[number * CORNERS + eighth];
-    uint8_t air = 0;
-    for (int i = 0; i < CORNERS; i++) air |= (uint8_t)(!points->is_inside[corner_of(points, cell, i)] << i);
-    uint8_t taken = seen ? seen : air ? air : 0xff;
+    uint8_t taken = seen ? seen : corners_in_air(points, cell);
     c->count = 0;
     for (int i = 0; i < CORNERS; i++) {
         double weight = 1;
