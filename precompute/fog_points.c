@@ -306,8 +306,7 @@ bool al_fog_points_lamp(const al_fog_points *points, uint32_t lamp, const double
                         double transmittance[3])
 {
     corners c;
-    if (!is_within(points, position)) return false;
-    find_corners(points, position, &c);
+    if (!is_within(points, position) || !find_corners(points, position, &c)) return false;
     transmittance[0] = transmittance[1] = transmittance[2] = 0;
     for (int i = 0; i < c.count; i++) {
         const float *t = points->transmittance + ((size_t)c.index[i] * points->lamps + lamp) * 3;

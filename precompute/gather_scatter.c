@@ -8,8 +8,8 @@
  * is split by where it comes from:
  *   - straight from a lamp (point, sun): L = lamp's irradiance times its transmittance; a point's is sharp,
  *     so that t is drawn anew, half the time by equal angles about the lamp (Kulla and Fajardo 2012). The
- *     transmittance, shadows included, is interpolated between the fog points: no ray is traced but beyond
- *     them;
+ *     transmittance, shadows included, is interpolated between the fog points: no ray is traced but where
+ *     none knows it;
  *   - all else: interpolated between the fog points as spherical harmonics, of which a Henyey-Greenstein
  *     phase function takes band l times g^l.
  * Traced walls ask a shadow ray for the first and take emissive surfaces and the sky out of the second the
