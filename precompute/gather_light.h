@@ -56,8 +56,8 @@ double al_gather_emitter_density(const al_gather_lights *lights, const al_ray *r
                                  const al_surface_hit *hit);
 double al_gather_sky_density(const al_gather_lights *lights, const double direction[3], double radiance[3]);
 
-/* Whether nothing opaque stands between an origin off its surface and the light. A lamp on a surface is in front of
- * it, from whichever side it is seen. */
+/* Whether nothing opaque stands between an origin off its surface and the light. A lamp on a surface is in
+ * front of it, from whichever side it is seen. */
 bool al_gather_light_is_seen(const al_gather_lights *lights, const double origin[3],
                              const al_light_sample *sample);
 

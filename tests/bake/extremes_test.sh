@@ -121,7 +121,7 @@ run 0 "$bin/airlight-bake" "$work/scene.json" -o "$work/baked" --quiet
 run 0 "$bin/airlight-inspect" --check "$work/baked/object.translucent.air"
 run 0 "$bin/speck_check" "$work/baked/object.translucent.air" 9 0.1
 cat "$work/stdout"
-# The picture: finite, never negative, and as bright as the reference's: 1.08 of it when this was written, 1.01
+# The picture: finite, never negative, and as bright as the reference's: 1.08 of it as measured, 1.01
 # without the speck; nearly black while the speck's density was the unit of a 16-bit grid.
 code=0
 "$bin/runtime_extremes_test" "$work/baked" || code=$?

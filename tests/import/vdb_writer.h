@@ -27,8 +27,8 @@ typedef struct vdb_grid {
 /* Ends the program when it fails. */
 void vdb_write(const char *path, const vdb_grid *grids, int count);
 
-/* A cube of edge_m about the origin in count^3 voxels, count odd: `speck` in the middle one, `rest` in the others.
- */
+/* A cube of edge_m about the origin in count^3 voxels, count odd: `speck` in the middle one, `rest` in the
+ * others. */
 void vdb_write_speck(const char *path, int count, double edge_m, float speck, float rest);
 
 #ifdef __cplusplus
