@@ -387,7 +387,7 @@ static const al_scene_key keys[] = {
     INTEGER(lightmap, samples, 1, 10000000),
     INTEGER(lightmap, bounces, 0, 1000),
     CHOICE(lightmap, walls, false, "published|bounded|traced"),
-    INTEGER(lightmap, fog_points, 1, 128),
+    INTEGER(lightmap, fog_points, 1, 64),
     FLAG(lightmap, back_scatter),
     NUMBER(lightmap, back_scatter_shift_m, TINY, FAR_M),
     CHOICE(lightmap, uv, false, "auto|file|atlas"),

@@ -263,5 +263,5 @@ bool al_gather_point(const al_gather *gather, al_gather_scratch *scratch, const 
     }
     if (!smooth) return true;
     uint32_t ways = samples / PATHS_PER_WAY;
-    return add_scattered(&s, ways > WAYS_LEAST ? ways : WAYS_LEAST, seed + 2);
+    return add_scattered(&s, ways > WAYS_LEAST ? ways : WAYS_LEAST, ~seed);
 }

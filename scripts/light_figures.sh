@@ -60,6 +60,7 @@ truth half_fog scattered
 for layer in total scattered; do
     for walls in published bounded traced; do ours half_fog $layer $walls --walls $walls; done
 done
+ours half_fog scattered "bounded, 32 fog points" --walls bounded --fog-points 32
 at=$folder/half_fog
 "$bin/light_figure" docs/images/half_fog.png 32 4 \
     "$at.total.csv:0.2" "$at.total.published.csv:0.2" "$at.total.bounded.csv:0.2" "$at.total.traced.csv:0.2" \

@@ -170,13 +170,14 @@ static void test_sky_strength(al_walls walls)
     for (int i = 0; i < 5; i++) {
         char text[1024];
         al_gather_options options = options_for(walls);
-        snprintf(text, sizeof text,
-                 "{'meshes':[{'name':'floor','shape':{'type':'plane'}},{'name':'block','shape':{'type':'box',"
-                 "'size_m':0.25}}],'environment':{'radiance_w_m2_sr':%.9g},"
-                 "'lights':[{'type':'directional','direction':[0.6,-0.8,0],'irradiance_w_m2':%.9g}],"
-                 "'media':[{'name':'fog','sigma_s_per_m':0.5,'sigma_a_per_m':0.25,'density':{'type':'constant',"
-                 "'bounds_min_m':[-1,-1,-1],'bounds_max_m':[1,1,1]}}],'fogs':['fog']}",
-                 factors[i], factors[i]);
+        snprintf(
+            text, sizeof text,
+            "{'meshes':[{'name':'floor','shape':{'type':'plane'}},{'name':'block','shape':{'type':'box',"
+            "'size_m':0.25}}],'environment':{'radiance_w_m2_sr':%.9g},"
+            "'lights':[{'type':'directional','direction':[0.6,-0.8,0],'irradiance_w_m2':%.9g}],"
+            "'media':[{'name':'fog','sigma_s_per_m':0.5,'sigma_a_per_m':0.25,'density':{'type':'constant',"
+            "'bounds_min_m':[-1,-1,-1],'bounds_max_m':[1,1,1]}}],'fogs':['fog']}",
+            factors[i], factors[i]);
         test_gather test = open_gather(text, tables, &options);
         al_gathered lit = gather_at(&test, origin, up, 3);
         if (i == 0) unit = lit;
@@ -367,7 +368,7 @@ static void test_narrow(al_walls walls)
     for (int i = 0; i < (walls == AL_WALLS_BOUNDED ? 2 : 3); i++) {
         char text[1024];
         al_gather_options options = options_for(walls);
-        options.samples = walls == AL_WALLS_PUBLISHED ? 1 : gs[i] == 0 ? 1 << 12 : 1 << 16;
+        options.samples = walls == AL_WALLS_PUBLISHED ? 1 : gs[i] == 0 ? 1 << 14 : 1 << 16;
         snprintf(text, sizeof text,
                  "{'materials':[{'name':'black','base_color':0}],"
                  "'meshes':[{'name':'floor','shape':{'type':'plane'},'material':'black'}],"
@@ -496,17 +497,17 @@ static void test_lamp_on_surface(al_walls walls)
     close_gather(&test);
 }
 
-/* One sample is an answer, and a million of them are the mean that 1024 scatter about. */
+/* One sample is an answer, and a million of them are the mean that 4096 scatter about. */
 static void test_samples(al_walls walls)
 {
     const double origin[3] = {0.1, 0, 0.2}, up[3] = {0, 1, 0};
-    test_gather one = open_lamps(walls, 3, 1, 1), some = open_lamps(walls, 3, 1, 1024),
+    test_gather one = open_lamps(walls, 3, 1, 1), some = open_lamps(walls, 3, 1, 4096),
                 million = open_lamps(walls, 3, 1, 1000000);
     al_gathered least = gather_at(&one, origin, up, 1), most = gather_at(&million, origin, up, 1);
     double error, mean = mean_scattered(&some, origin, up, &error);
     CHECK(is_good(&least) && is_good(&most));
     CHECK(least.surface[0] > 0);
-    printf("walls %d, a million samples: %.4f of 16 times 1024, noise %.4f\n", (int)walls,
+    printf("walls %d, a million samples: %.4f of 16 times 4096, noise %.4f\n", (int)walls,
            most.scattered[0] / mean, error / mean);
     CHECK_NEAR(most.scattered[0], mean, 4.5 * error);
     CHECK(error < 0.02 * mean);
