@@ -25,6 +25,12 @@ static al_status check(const al_view *view, const al_settings *settings, al_erro
     if (settings->march_voxels != 0 && !in_range(settings->march_voxels, 0.01f, 100))
         return al_fail(error, AL_USAGE, "settings: march step of %g voxels; use 0.01 to 100, or 0 for 0.5",
                        (double)settings->march_voxels);
+    if (settings->surfel_pixels != 0 && !in_range(settings->surfel_pixels, 0.1, 1000))
+        return al_fail(error, AL_USAGE, "settings: surfels of %g pixels; use 0.1 to 1000, or 0 for 4.6",
+                       (double)settings->surfel_pixels);
+    if (settings->surfel_limit && !in_range(settings->surfel_limit, 64, 1 << 22))
+        return al_fail(error, AL_USAGE, "settings: at most %u surfels; use 64 to 4194304, or 0 for 1048576",
+                       settings->surfel_limit);
     if (settings->fog_steps > 1024)
         return al_fail(error, AL_USAGE, "settings: %u fog steps; use 1 to 1024, or 0 for 32",
                        settings->fog_steps);
@@ -124,6 +130,10 @@ static al_status draw_tile(al_draw *draw)
     al_status status = al_targets_fit(draw);
     if (!status) status = al_surface_draw(draw);
     if (status) return status;
+    if (draw->settings.pass == AL_PASS_SURFELS) {
+        status = al_surfels_show(draw);
+        return status ? status : al_output_draw(draw);
+    }
     if (!draw->needs_shading) {
         glDisable(GL_SCISSOR_TEST);
         glClearNamedFramebufferfv(runtime->targets.radiance_framebuffer, GL_COLOR, 0, black);
@@ -168,6 +178,23 @@ static al_status draw_tiles(al_draw *draw)
     return status;
 }
 
+/* Surfaces send light into the fog; or the cloud is to be seen. */
+static bool needs_surfels(const al_draw *draw)
+{
+    const al_runtime *runtime = draw->runtime;
+    if (!runtime->model.has_opaque) return false;
+    switch (draw->settings.pass) {
+    case AL_PASS_SURFELS:
+        return true;
+    case AL_PASS_COMPOSITE:
+    case AL_PASS_SURFACE_SCATTERING:
+        return runtime->fogs.drawn && !draw->settings.surface_scattering_off &&
+               (runtime->scene.light_count || runtime->model.has_emission);
+    default:
+        return false;
+    }
+}
+
 static al_status draw_frame(al_draw *draw)
 {
     al_runtime *runtime = draw->runtime;
@@ -181,8 +208,10 @@ static al_status draw_frame(al_draw *draw)
     al_gl_bind_texture(AL_UNIT_SHADOW, 0);
     al_objects_prepare(draw);
     al_fog_prepare(draw);
+    draw->needs_surfels = needs_surfels(draw);
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, runtime->frame_block.id);
     status = al_shadow_draw(draw);
+    if (!status) status = al_surfels_run(draw);
     for (uint32_t i = 0; i < runtime->scene.translucent_count && !status; i++)
         if (runtime->objects[i].present && runtime->objects[i].rectangle[2])
             status = al_light_run(draw, &runtime->objects[i]);
@@ -205,6 +234,8 @@ al_status al_runtime_draw(al_runtime *runtime, const al_view *view, const al_set
     if (!draw.settings.fog_steps) draw.settings.fog_steps = 32;
     if (!draw.settings.interval_count) draw.settings.interval_count = 16;
     if (draw.settings.march_voxels == 0) draw.settings.march_voxels = 0.5f;
+    if (draw.settings.surfel_pixels == 0) draw.settings.surfel_pixels = 4.6f;
+    if (!draw.settings.surfel_limit) draw.settings.surfel_limit = 1 << 20;
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &drawn_to);
     glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read_from);
     glGetIntegerv(GL_VIEWPORT, viewport);

@@ -24,6 +24,18 @@ static void pack_vertices(const al_mesh *mesh, float *vertices, al_model_mesh *o
     }
 }
 
+static float longest_edge(const al_mesh *mesh)
+{
+    float longest = 0;
+    for (size_t i = 0; i < mesh->index_count; i++) {
+        const float *a = mesh->positions + 3 * (size_t)mesh->indices[i],
+                    *b = mesh->positions + 3 * (size_t)mesh->indices[i % 3 == 2 ? i - 2 : i + 1];
+        float x = b[0] - a[0], y = b[1] - a[1], z = b[2] - a[2];
+        longest = fmaxf(longest, x * x + y * y + z * z);
+    }
+    return sqrtf(longest);
+}
+
 static void make_vertex_array(al_model_mesh *out)
 {
     glCreateVertexArrays(1, &out->vertex_array);
@@ -73,6 +85,7 @@ static al_status upload_mesh(al_runtime *runtime, const al_mesh *mesh, al_model_
     if (!vertices)
         return al_fail(error, AL_IO, "%s: no memory for %u vertices", mesh->name, mesh->vertex_count);
     pack_vertices(mesh, vertices, out);
+    out->longest_edge = longest_edge(mesh);
     al_status status = al_gl_buffer_create(&runtime->memory, size, vertices, &out->vertices, error);
     if (!status)
         status = al_gl_buffer_create(&runtime->memory, (uint64_t)mesh->index_count * sizeof(uint32_t),
@@ -118,11 +131,14 @@ al_status al_model_create(al_runtime *runtime, al_error *error)
     if (!status) status = upload_second_sets(runtime, error);
     for (uint32_t i = 0; i < scene->texture_count && !status; i++)
         status = upload_texture(runtime, &scene->textures[i], &model->textures[i], error);
-    model->has_opaque = model->has_blockers = false;
+    model->has_opaque = model->has_blockers = model->has_emission = false;
     for (uint32_t i = 0; i < scene->instance_count; i++) {
         if (scene->instances[i].role == AL_ROLE_OPAQUE) model->has_opaque = true;
         if (scene->instances[i].role == AL_ROLE_BLOCKER) model->has_blockers = true;
     }
+    for (uint32_t i = 0; i < scene->material_count; i++)
+        for (int k = 0; k < 3; k++)
+            if (scene->materials[i].emission_w_m2_sr[k] > 0) model->has_emission = true;
     return status;
 }
 

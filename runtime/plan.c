@@ -54,6 +54,14 @@ const al_plan_row *al_runtime_plan(al_runtime *runtime, uint32_t *count)
     add(runtime, count, "direct-scattering", scene->fog_count > 0,
         scene->fog_count ? "fog scatters light towards the eye and hides what lies behind" : "no fog",
         ms[AL_STAGE_FOG], al_fog_bytes(runtime));
+    bool glow = lights || runtime->model.has_emission, surfels = scene->fog_count > 0 && opaque && glow;
+    add(runtime, count, "surfels", surfels,
+        !scene->fog_count                   ? "no fog takes light from surfaces"
+        : !opaque                           ? "no opaque object sends light into the fog"
+        : !glow                             ? "no light and no emission"
+        : runtime->surfels.coarseness > 1.0 ? "surfaces send light into the fog; larger surfels, to stay below their limit"
+                                            : "surfaces send light into the fog",
+        ms[AL_STAGE_SURFELS] + ms[AL_STAGE_SURFEL_LIGHT], al_surfels_bytes(runtime));
     add(runtime, count, "environment", environment,
         environment ? "environment light" : "no environment light", 0, runtime->environment.bytes);
     add(runtime, count, "intervals", objects,

@@ -11,7 +11,8 @@
 const char *al_pass_name(al_pass pass)
 {
     static const char *const names[AL_PASS_COUNT] = {
-        "composite", "translucent", "surface", "normal", "depth", "intervals", "unity", "direct-scattering"};
+        "composite", "translucent", "surface",           "normal",             "depth",
+        "intervals", "unity",       "direct-scattering", "surface-scattering", "surfels"};
     return (unsigned)pass < AL_PASS_COUNT ? names[pass] : "unknown";
 }
 
@@ -53,6 +54,7 @@ static void unload(al_runtime *runtime)
     al_gl_texture_free(&runtime->memory, &runtime->environment);
     runtime->environment_levels = 0;
     al_shadow_free(runtime);
+    al_surfels_free(runtime);
     al_targets_free(runtime);
     al_scene_free(&runtime->scene);
     memset(&runtime->scene, 0, sizeof runtime->scene);
@@ -227,4 +229,9 @@ uint64_t al_runtime_memory(const al_runtime *runtime)
 uint64_t al_runtime_samples(const al_runtime *runtime)
 {
     return runtime->samples_drawn;
+}
+
+uint64_t al_runtime_surfels(al_runtime *runtime)
+{
+    return al_surfels_count(runtime);
 }

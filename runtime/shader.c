@@ -205,9 +205,15 @@ static al_status fail_with_log(const char *name, const char *log, const expansio
 
 static GLenum stage_of(const char *name)
 {
+    static const struct {
+        const char *ending;
+        GLenum stage;
+    } stages[] = {{".vert", GL_VERTEX_SHADER},          {".tesc", GL_TESS_CONTROL_SHADER},
+                  {".tese", GL_TESS_EVALUATION_SHADER}, {".geom", GL_GEOMETRY_SHADER},
+                  {".comp", GL_COMPUTE_SHADER}};
     const char *ending = strrchr(name, '.');
-    if (ending && strcmp(ending, ".vert") == 0) return GL_VERTEX_SHADER;
-    if (ending && strcmp(ending, ".comp") == 0) return GL_COMPUTE_SHADER;
+    for (size_t i = 0; ending && i < sizeof stages / sizeof stages[0]; i++)
+        if (!strcmp(ending, stages[i].ending)) return stages[i].stage;
     return GL_FRAGMENT_SHADER;
 }
 

@@ -105,13 +105,14 @@ typedef struct al_model_mesh {
     al_gl_buffer vertices, indices; /* position, normal, uv; uint32 */
     al_gl_buffer uv1;               /* only where an instance of it has a lightmap */
     float low[3], high[3];          /* box of the positions */
+    float longest_edge;             /* of its triangles */
 } al_model_mesh;
 
 typedef struct al_model {
     al_model_mesh *meshes;
     al_gl_texture *textures;
     uint32_t mesh_count, texture_count;
-    bool has_opaque, has_blockers;
+    bool has_opaque, has_blockers, has_emission;
 } al_model;
 
 typedef struct al_object { /* one of al_scene.translucents */
@@ -137,6 +138,31 @@ typedef struct al_shadow_maps {
     float *key;      /* lights and instances the maps were drawn for */
     size_t key_size; /* floats */
 } al_shadow_maps;
+
+typedef struct al_surfel_rule { /* shaders/surfel_size.glsl */
+    double eye[4];             /* as al_draw's */
+    double area;               /* wanted at a distance of 1 m, m2; for an orthographic view everywhere */
+    double nearest_m;          /* distances are held above this */
+} al_surfel_rule;
+
+typedef struct al_surfel_count { /* of one frame; [0]: vertices of parts of huge triangles, [1]: surfels */
+    GLuint wanted[2], written[2]; /* queries */
+    double coarseness;
+    bool pending;
+} al_surfel_count;
+
+enum { AL_SURFEL_SIZE = 64, AL_SURFEL_RING = 3 };
+
+typedef struct al_surfels {
+    al_gl_buffer cloud, count; /* shaders/surfels.glsl */
+    al_gl_buffer parts[2];     /* of huge triangles of one submesh, after even and odd rounds: position, uv, key */
+    GLuint cloud_feedback, parts_feedback[2], parts_array[2];
+    al_surfel_count ring[AL_SURFEL_RING];
+    uint32_t current;
+    uint64_t drawn;      /* in the last frame whose count has come back */
+    double coarseness;   /* surfels are so many times as large as the settings ask for, to stay below the limit */
+    al_surfel_rule rule; /* of the last cloud */
+} al_surfels;
 
 typedef struct al_targets {                   /* of one tile */
     al_gl_texture radiance, geometry, depth;  /* opaque surfaces, then everything */
@@ -168,6 +194,7 @@ struct al_runtime {
     al_lightmap lightmap;
     al_probe_lights probes;
     al_shadow_maps shadow;
+    al_surfels surfels;
     al_targets targets;
     al_timing timing;
     al_gl_buffer frame_block;
@@ -188,6 +215,7 @@ typedef struct al_draw {
     int32_t tile[4];    /* x, y, width, height in the view */
     bool needs_light;   /* samples are splatted */
     bool needs_shading; /* of opaque surfaces */
+    bool needs_surfels; /* surfaces send light into the fog, or the cloud is shown */
     uint32_t framebuffer, host_depth;
     al_error *error;
 } al_draw;
@@ -249,11 +277,27 @@ void al_probes_set(const al_draw *draw, uint32_t instance);
 al_status al_shadow_draw(al_draw *draw);
 void al_shadow_free(al_runtime *runtime);
 
+/* surfel.c: the cloud of the frame, lit, when draw->needs_surfels; what it holds stays until the next frame */
+al_status al_surfels_run(al_draw *draw);
+void al_surfels_free(al_runtime *runtime);
+uint64_t al_surfels_bytes(const al_runtime *runtime);
+uint64_t al_surfels_count(const al_runtime *runtime); /* of the last frame that has come back */
+/* Draws `instances` points per surfel, gl_VertexID being its number, with the program, vertex array and state that are
+ * bound; surfels and their count are bound as shaders/surfels.glsl says. */
+void al_surfels_draw_points(const al_draw *draw, GLsizei instances);
+al_status al_surfels_light(al_draw *draw); /* surfel_light.c */
+al_status al_surfels_show(al_draw *draw);  /* surfel_light.c: AL_PASS_SURFELS into one tile */
+/* surfel_count.c: expected number of surfels of the scene's opaque instances */
+double al_surfels_expected(const al_scene *scene, const al_surfel_rule *rule);
+
 /* targets.c: makes the targets fit the tile */
 al_status al_targets_fit(al_draw *draw);
 void al_targets_free(al_runtime *runtime);
 
 /* surface.c */
+/* Sets the part's material as uniforms 1 to 4 and textures of surface.frag, and answers it. */
+const al_material *al_material_bind(const al_runtime *runtime, const al_submesh *part);
+bool al_instance_mirrors(const al_instance *instance); /* the front is where vertices turn clockwise */
 al_status al_surface_draw(al_draw *draw);
 al_status al_boundary_draw(al_draw *draw, al_object *object, uint32_t index);
 al_status al_back_draw(al_draw *draw, uint32_t index);

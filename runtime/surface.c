@@ -30,7 +30,7 @@ static void set_material(const al_runtime *runtime, const al_material *m, float 
     glUniform4iv(4, 1, present);
 }
 
-static void draw_instance(const al_runtime *runtime, const al_instance *instance, bool boundary)
+const al_material *al_material_bind(const al_runtime *runtime, const al_submesh *part)
 {
     static const al_material plain = {.base_color = {0.8f, 0.8f, 0.8f},
                                       .roughness = 1,
@@ -40,19 +40,30 @@ static void draw_instance(const al_runtime *runtime, const al_instance *instance
                                       .metallic_roughness_texture = AL_NO_INDEX,
                                       .normal_texture = AL_NO_INDEX};
     const al_scene *scene = &runtime->scene;
-    const al_mesh *mesh = &scene->meshes[instance->mesh];
+    const al_material *m =
+        part->material < scene->material_count ? &scene->materials[part->material] : &plain;
+    set_material(runtime, m, dielectric_reflectance(m->ior));
+    return m;
+}
+
+bool al_instance_mirrors(const al_instance *instance)
+{
     const float *w = instance->world;
-    float handed = w[0] * (w[5] * w[10] - w[6] * w[9]) - w[4] * (w[1] * w[10] - w[2] * w[9]) +
-                   w[8] * (w[1] * w[6] - w[2] * w[5]);
+    return w[0] * (w[5] * w[10] - w[6] * w[9]) - w[4] * (w[1] * w[10] - w[2] * w[9]) +
+               w[8] * (w[1] * w[6] - w[2] * w[5]) <
+           0;
+}
+
+static void draw_instance(const al_runtime *runtime, const al_instance *instance, bool boundary)
+{
+    const al_mesh *mesh = &runtime->scene.meshes[instance->mesh];
     if (!runtime->model.meshes[instance->mesh].vertex_array) return;
-    glFrontFace(handed < 0 ? GL_CW : GL_CCW);
+    glFrontFace(al_instance_mirrors(instance) ? GL_CW : GL_CCW);
     glUniformMatrix4fv(0, 1, GL_FALSE, instance->world);
     glBindVertexArray(runtime->model.meshes[instance->mesh].vertex_array);
     for (uint32_t i = 0; i < mesh->submesh_count; i++) {
         const al_submesh *part = &mesh->submeshes[i];
-        const al_material *m =
-            part->material < scene->material_count ? &scene->materials[part->material] : &plain;
-        set_material(runtime, m, dielectric_reflectance(m->ior));
+        const al_material *m = al_material_bind(runtime, part);
         if (boundary || m->double_sided)
             glDisable(GL_CULL_FACE);
         else

@@ -4,8 +4,9 @@
 
 const char *al_stage_name(al_stage stage)
 {
-    static const char *const names[AL_STAGE_COUNT] = {"shadow",    "light", "surface",  "direct-scattering",
-                                                      "intervals", "splat", "composite"};
+    static const char *const names[AL_STAGE_COUNT] = {"shadow",  "surfels",           "surfel light",
+                                                      "light",   "surface",           "direct-scattering",
+                                                      "intervals", "splat",           "composite"};
     return names[stage];
 }
 

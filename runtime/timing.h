@@ -11,6 +11,8 @@
 
 typedef enum al_stage {
     AL_STAGE_SHADOW,
+    AL_STAGE_SURFELS,
+    AL_STAGE_SURFEL_LIGHT,
     AL_STAGE_LIGHT,
     AL_STAGE_SURFACE,
     AL_STAGE_FOG,

@@ -81,6 +81,9 @@ void main()
         added.rgb = (1.0 - kept.rgb) * imageLoad(fog_light, place).rgb;
 #endif
         break;
+    case 8: // surface scattering
+        kept.rgb *= 1.0 - mirrored.a;
+        break;
     default: // unity
         kept = vec4(end.x < end.y ? 0.0 : 1.0);
         if (end.x < end.y) added.rgb = vec3(texelFetch(light, place, 0).a / (end.y - end.x));

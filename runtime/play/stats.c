@@ -87,9 +87,9 @@ al_status al_stats_write(const char *path, const al_stats *stats, al_runtime *ru
 {
     qsort(stats->frame.ms, stats->frame.count, sizeof *stats->frame.ms, compare);
     json_t *root = json_pack(
-        "{s:o, s:o, s:I, s:i, s:I, s:i, s:i, s:s, s:o, s:i, s:o, s:o}", "passes", describe_passes(stats),
+        "{s:o, s:o, s:I, s:I, s:I, s:i, s:i, s:s, s:o, s:i, s:o, s:o}", "passes", describe_passes(stats),
         "frame_ms_median", number(median(&stats->frame)), "memory_bytes",
-        (json_int_t)al_runtime_memory(runtime), "surfels", 0, "samples",
+        (json_int_t)al_runtime_memory(runtime), "surfels", (json_int_t)al_runtime_surfels(runtime), "samples",
         (json_int_t)al_runtime_samples(runtime), "width", (int)stats->width, "height", (int)stats->height,
         "gl_renderer", stats->renderer, "plan", describe_plan(runtime), "frames", (int)stats->frame.count,
         "first_picture_ms", number(stats->first_picture_ms), "last_sample_ms", number(stats->last_sample_ms));

@@ -291,7 +291,7 @@ static bool was_timed(al_runtime *runtime, const char *name)
 static void test_plan(void)
 {
     static double image[EDGE * EDGE * 3];
-    al_plan_row row = {0};
+    al_plan_row row = {0}, surfels = {0};
     uint64_t bytes[2];
     al_view view = front_view(EDGE);
     for (int pass = 0; pass < 2; pass++) {
@@ -315,7 +315,9 @@ static void test_plan(void)
         average(runtime, &view, &(al_settings){.fog_off = true}, 6, image);
         CHECK(!was_timed(runtime, "direct-scattering"));
         bytes[pass] = al_runtime_memory(runtime);
-        if (pass) CHECK(bytes[1] - bytes[0] == row.bytes);
+        CHECK(find_row(runtime, "surfels", &surfels) && surfels.needed == (pass == 1) &&
+              (surfels.bytes > 0) == surfels.needed);
+        if (pass) CHECK(bytes[1] - bytes[0] == row.bytes + surfels.bytes);
         al_runtime_destroy(runtime);
     }
 }

@@ -65,6 +65,8 @@ typedef enum al_pass {
     AL_PASS_INTERVALS,     /* distances of the first three interval knots, metres */
     AL_PASS_UNITY,         /* the line integral of sum gamma over the chord: 1 where it sums to one */
     AL_PASS_DIRECT_SCATTERING, /* light that the fog scatters once towards the eye, alone */
+    AL_PASS_SURFACE_SCATTERING, /* light that surfaces send and the fog scatters once towards the eye, alone */
+    AL_PASS_SURFELS,       /* the surfel cloud as discs, each in the light that it sends */
     AL_PASS_COUNT
 } al_pass;
 const char *al_pass_name(al_pass pass); /* "composite", "translucent", ... */
@@ -83,6 +85,10 @@ typedef struct al_settings {
     bool fog_off;            /* the air is clear: lightmaps and probes show their light without fog */
     bool scattered_off;      /* lightmaps and probes without the light that the fog scatters onto surfaces */
     uint32_t fog_steps;      /* cells along a ray for each light, 0: 32; 1 to 1024 */
+    bool surface_scattering_off; /* no light from surfaces is scattered by the fog: no surfels */
+    float surfel_pixels;     /* radius of a surfel in the picture, 0: 4.6; 0.1 to 1000 */
+    uint32_t surfel_limit;   /* the most surfels, of which each takes 64 bytes, 0: 2^20; 64 to 2^22; they are coarser
+                              * where there would be more */
     uint32_t interval_count; /* knots of the interval map, 0: 16; 4 to 32 */
     float march_voxels;      /* step of the march in voxels, 0: 0.5 */
     al_pass pass;
@@ -115,6 +121,8 @@ uint32_t al_runtime_times(al_runtime *runtime, al_pass_time *times, uint32_t lim
 /* Bytes of buffers and textures the runtime holds; samples drawn in the last frame. */
 uint64_t al_runtime_memory(const al_runtime *runtime);
 uint64_t al_runtime_samples(const al_runtime *runtime);
+/* Surfels of the last frame whose count has come back, 0 when it needed none; never waits. */
+uint64_t al_runtime_surfels(al_runtime *runtime);
 
 typedef struct al_plan_row {
     const char *step;

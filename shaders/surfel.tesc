@@ -1,0 +1,32 @@
+#version 450 core
+// Each triangle's level: as many points as make its surfels no larger than wanted at its nearest point.
+#extension GL_GOOGLE_include_directive : enable
+#include "surfel_hash.glsl"
+#include "surfel_size.glsl"
+
+layout(vertices = 3) out;
+layout(location = 5) uniform ivec4 choice; // x: instance; y: first primitive; z: 0 triangles of the scene, 1 parts
+layout(location = 7) uniform bool leave_huge; // they are split
+
+in vec3 vertex_position[];
+in vec2 vertex_uv[];
+in uint vertex_key[];
+out vec3 corner_position[];
+out vec2 corner_uv[];
+patch out float fine_area; // m2
+patch out uint seed;
+
+void main()
+{
+    corner_position[gl_InvocationID] = vertex_position[gl_InvocationID];
+    corner_uv[gl_InvocationID] = vertex_uv[gl_InvocationID];
+    vec3 a = vertex_position[0], b = vertex_position[1], c = vertex_position[2];
+    float area = 0.5 * length(cross(b - a, c - a));
+    float level = fine_level(area / wanted_area(nearest_distance(a, b, c)));
+    bool left_out = !(area > 0.0) || isinf(area) || (leave_huge && split_level(a, b, c) > 0.0);
+    gl_TessLevelOuter[0] = gl_TessLevelOuter[1] = gl_TessLevelOuter[2] = left_out ? 0.0 : level;
+    gl_TessLevelInner[0] = level;
+    fine_area = area / fine_count(level);
+    uint which = choice.z == 0 ? uint(choice.y + gl_PrimitiveID) : vertex_key[0];
+    seed = hash(uvec3(choice.x, which, 0u)).x;
+}
