@@ -11,7 +11,8 @@
 #include "points.h"
 #include "render.h"
 
-static const al_mode *const modes[] = {&al_mode_single_scatter, &al_mode_volume_path};
+static const al_mode *const modes[] = {&al_mode_single_scatter, &al_mode_surface_to_volume,
+                                       &al_mode_volume_path};
 enum { MODE_COUNT = sizeof modes / sizeof *modes };
 
 typedef struct arguments {
@@ -19,6 +20,7 @@ typedef struct arguments {
     char *out_error; /* "ref.exr": "ref.error.exr" */
     int size[2], samples, threads;
     int min_events, max_events, max_bounces; /* -1: not given */
+    bool no_visibility, no_attenuation;
 } arguments;
 
 static al_status find_mode(const char *name, const al_mode **mode, al_error *error)
@@ -39,9 +41,13 @@ static al_status find_mode(const char *name, const al_mode **mode, al_error *err
 static al_status check_usage(const arguments *given, const al_mode *mode, al_error *error)
 {
     bool limited = given->min_events >= 0 || given->max_events >= 0 || given->max_bounces >= 0;
-    if (limited && !mode->has_limits)
+    if (limited && mode != &al_mode_volume_path)
         return al_fail(error, AL_USAGE,
                        "--min-events, --max-events and --max-bounces go with --mode volume-path, not %s",
+                       mode->name);
+    if ((given->no_visibility || given->no_attenuation) && mode != &al_mode_surface_to_volume)
+        return al_fail(error, AL_USAGE,
+                       "--no-visibility and --no-attenuation go with --mode surface-to-volume, not %s",
                        mode->name);
     if (given->points && !mode->receive)
         return al_fail(error, AL_USAGE, "--points goes with --mode volume-path, not %s", mode->name);
@@ -175,13 +181,15 @@ static al_status receive(const al_program *program, const arguments *given, cons
     return status;
 }
 
-static al_mode_limits limits_of(const arguments *given)
+static al_mode_options options_of(const arguments *given)
 {
-    al_mode_limits limits = al_mode_unlimited;
-    if (given->min_events >= 0) limits.min_events = (uint32_t)given->min_events;
-    if (given->max_events >= 0) limits.max_events = (uint32_t)given->max_events;
-    if (given->max_bounces >= 0) limits.max_bounces = (uint32_t)given->max_bounces;
-    return limits;
+    al_mode_options options = al_mode_defaults;
+    if (given->min_events >= 0) options.min_events = (uint32_t)given->min_events;
+    if (given->max_events >= 0) options.max_events = (uint32_t)given->max_events;
+    if (given->max_bounces >= 0) options.max_bounces = (uint32_t)given->max_bounces;
+    options.no_visibility = given->no_visibility;
+    options.no_attenuation = given->no_attenuation;
+    return options;
 }
 
 static al_status run(const al_program *program, arguments *given, al_error *error)
@@ -191,14 +199,14 @@ static al_status run(const al_program *program, arguments *given, al_error *erro
     al_import *import = NULL;
     al_points points = {0};
     void *state = NULL;
-    al_mode_limits limits = limits_of(given);
+    al_mode_options options = options_of(given);
     al_status status = find_mode(given->mode, &mode, error);
     if (!status) status = check_usage(given, mode, error);
     if (!status) status = name_outputs(given, error);
     if (!status && given->points) status = al_points_read(given->points, &points, error);
     if (!status) status = al_import_scene(given->scene, AL_QUALITY_FINAL, &import, error);
     if (!status) status = find_camera(import, given->camera, &camera, error);
-    if (!status) status = mode->open(import, &limits, &state, error);
+    if (!status) status = mode->open(import, &options, &state, error);
     if (!status && given->points) status = receive(program, given, mode, state, &points, error);
     if (!status && !given->points) status = render(program, given, mode, state, camera, error);
     if (mode) mode->close(state);
@@ -231,6 +239,10 @@ int main(int argc, char **argv)
          1000000000},
         {"--max-bounces", "N", AL_OPTION_INT, &given.max_bounces,
          "volume-path: reflect off surfaces at most N times; 0: they are black", 0, 1000000000},
+        {"--no-visibility", NULL, AL_OPTION_FLAG, &given.no_visibility,
+         "surface-to-volume: no surface stands between the surface and the scattering point", 0, 0},
+        {"--no-attenuation", NULL, AL_OPTION_FLAG, &given.no_attenuation,
+         "surface-to-volume: no medium attenuates between the surface and the scattering point", 0, 0},
         {"--threads", "N", AL_OPTION_INT, &given.threads, "0: one per core (0); changes no bit of the result",
          0, 256},
     };
@@ -242,8 +254,16 @@ int main(int argc, char **argv)
             "and\n"
             "in REF.error.exr the standard error of each pixel (one channel, mean over the colours).\n"
             "Modes:\n"
-            "  single-scatter  light scattered once inside translucent objects; attenuated on both legs,\n"
-            "                  stopped by opaque surfaces; neither surfaces nor background are shown\n"
+            "  single-scatter  point, directional and environment light scattered once in fogs and "
+            "translucent\n"
+            "                  objects; attenuated on both legs, stopped by opaque surfaces; neither "
+            "surfaces\n"
+            "                  nor background are shown\n"
+            "  surface-to-volume\n"
+            "                  light of any lamp off one surface, then scattered once in fogs and "
+            "translucent\n"
+            "                  objects; attenuated and shadowed on all three legs; neither surfaces nor\n"
+            "                  background are shown; an eye ray (--spp) carries 32 paths\n"
             "  volume-path     all light, off surfaces and out of media, any number of times, without bias:\n"
             "                  fogs and translucent objects, homogeneous or not; surfaces are two-sided\n"
             "                  Lambert of base colour times 1 - metallic (what metals mirror is left out);\n"

@@ -272,20 +272,20 @@ static void sort_breaks(al_cells *cells, uint32_t media_count)
 }
 
 /* One cell, unless it is empty. */
-static bool push_cell(const al_march_medium *media, const al_ray *ray, const al_segment *segments,
-                      uint32_t count, double begin_m, double end_m, al_cells *cells)
+static bool push_cell(const al_ray *ray, const al_march_part *parts, uint32_t count, double begin_m,
+                      double end_m, al_cells *cells)
 {
     if (!(begin_m < end_m)) return true;
     double middle = 0.5 * (begin_m + end_m);
     al_cell cell = {.begin_m = begin_m, .end_m = end_m, .first_part = cells->part_count};
     for (uint32_t i = 0; i < count; i++) {
-        if (middle < segments[i].begin_m || middle > segments[i].end_m) continue;
-        const al_march_medium *medium = &media[segments[i].object];
+        if (middle < parts[i].begin_m || middle > parts[i].end_m) continue;
+        const al_march_medium *medium = parts[i].medium;
         double density = density_at(medium, ray, middle);
         if (density == 0) continue;
         if (!make_room(&cells->parts, cells->part_count, &cells->part_room, sizeof(al_cell_part)))
             return false;
-        cells->parts[cells->part_count++] = (al_cell_part){segments[i].object, density};
+        cells->parts[cells->part_count++] = (al_cell_part){medium, density};
         cell.part_count++;
         for (int c = 0; c < 3; c++) cell.sigma_t_per_m[c] += density * medium->sigma_t_per_m[c];
     }
@@ -299,42 +299,41 @@ static bool push_cell(const al_march_medium *media, const al_ray *ray, const al_
     return true;
 }
 
-/* The cells between two neighbouring ends of segments: the same media all along. */
-static bool cut_interval(const al_march_medium *media, const al_ray *ray, const al_segment *segments,
-                         uint32_t count, double begin_m, double end_m, al_cells *cells)
+/* The cells between two neighbouring ends of parts: the same media all along. */
+static bool cut_interval(const al_ray *ray, const al_march_part *parts, uint32_t count, double begin_m,
+                         double end_m, al_cells *cells)
 {
     uint32_t active = 0;
     double middle = 0.5 * (begin_m + end_m), from = begin_m;
     cells->break_count = 0;
     for (uint32_t i = 0; i < count; i++) {
-        if (middle < segments[i].begin_m || middle > segments[i].end_m) continue;
+        if (middle < parts[i].begin_m || middle > parts[i].end_m) continue;
         active++;
-        if (!break_medium(&media[segments[i].object], ray, begin_m, end_m, cells)) return false;
+        if (!break_medium(parts[i].medium, ray, begin_m, end_m, cells)) return false;
     }
     if (!active) return true;
     sort_breaks(cells, active);
     for (uint32_t i = 0; i <= cells->break_count; i++) {
         double to = i < cells->break_count ? cells->breaks[i] : end_m;
-        if (!push_cell(media, ray, segments, count, from, to, cells)) return false;
+        if (!push_cell(ray, parts, count, from, to, cells)) return false;
         from = to;
     }
     return true;
 }
 
-bool al_march_cells(const al_march_medium *media, const al_ray *ray, const al_segment *segments,
-                    uint32_t count, al_cells *cells)
+bool al_march_cells(const al_ray *ray, const al_march_part *parts, uint32_t count, al_cells *cells)
 {
     cells->count = cells->part_count = cells->end_count = 0;
     for (int c = 0; c < 3; c++) cells->depth[c] = 0;
     if (!count) return true;
     for (uint32_t i = 0; i < count; i++)
-        if (!push(&cells->ends, &cells->end_count, &cells->end_room, segments[i].begin_m) ||
-            !push(&cells->ends, &cells->end_count, &cells->end_room, segments[i].end_m))
+        if (!push(&cells->ends, &cells->end_count, &cells->end_room, parts[i].begin_m) ||
+            !push(&cells->ends, &cells->end_count, &cells->end_room, parts[i].end_m))
             return false;
     qsort(cells->ends, cells->end_count, sizeof(double), compare_doubles);
     for (uint32_t i = 0; i + 1 < cells->end_count; i++)
         if (cells->ends[i] < cells->ends[i + 1] &&
-            !cut_interval(media, ray, segments, count, cells->ends[i], cells->ends[i + 1], cells))
+            !cut_interval(ray, parts, count, cells->ends[i], cells->ends[i + 1], cells))
             return false;
     return true;
 }

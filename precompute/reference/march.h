@@ -34,9 +34,15 @@ typedef struct al_cell {
 } al_cell;
 
 typedef struct al_cell_part { /* one of the media that overlap in a cell */
-    uint32_t object;
+    const al_march_medium *medium;
     double density;
 } al_cell_part;
+
+/* A stretch of a ray, of finite length, on which a medium may be. */
+typedef struct al_march_part {
+    const al_march_medium *medium;
+    double begin_m, end_m;
+} al_march_part;
 
 /* Memory of one thread, reused from ray to ray. Zero before the first use. */
 typedef struct al_cells {
@@ -52,8 +58,7 @@ typedef struct al_cells {
 } al_cells;
 void al_cells_free(al_cells *cells);
 
-/* Fills `cells` for the segments of a ray; media[object]. False without memory. */
-bool al_march_cells(const al_march_medium *media, const al_ray *ray, const al_segment *segments,
-                    uint32_t count, al_cells *cells);
+/* Fills `cells` for the parts of a ray, which may overlap, in any order. False without memory. */
+bool al_march_cells(const al_ray *ray, const al_march_part *parts, uint32_t count, al_cells *cells);
 
 #endif

@@ -69,6 +69,7 @@ void al_media_line_free(al_media_line *line)
 {
     al_line_free(&line->segments);
     free(line->parts);
+    free(line->marched);
     *line = (al_media_line){0};
 }
 
@@ -105,6 +106,9 @@ bool al_media_line_fill(const al_media *media, const al_ray_scene *scene, const 
         al_media_part *grown = realloc(line->parts, sizeof *grown * 2 * wanted);
         if (!grown) return false;
         line->parts = grown;
+        al_march_part *marched = realloc(line->marched, sizeof *marched * 2 * wanted);
+        if (!marched) return false;
+        line->marched = marched;
         line->part_room = (uint32_t)(2 * wanted);
     }
     for (uint32_t i = 0; i < media->fog_count; i++) push_part(media, i, 0, end_m, line);
@@ -186,6 +190,56 @@ void al_media_attenuate(const al_media_line *line, double end_m, al_random *rand
         attenuate_part(m, line->ray, m->from.sigma_t_per_m, part->begin_m, fmin(part->end_m, end_m), random,
                        throughput);
     }
+}
+
+/* --- marching --- */
+
+/* Beyond 50 optical depths exp(-tau) is 2e-22. */
+static const double nothing_left = 50;
+
+/* The least that a medium takes from a channel per metre, where it takes anything; INFINITY for nothing. */
+static double least_per_m(const al_march_medium *from)
+{
+    const al_density_description *density = from->description;
+    double least = INFINITY, densities[2] = {density->scale, density->scale};
+    if (density->type == AL_DENSITY_LAYERS) densities[0] *= density->low, densities[1] *= density->high;
+    for (int i = 0; i < 2; i++)
+        for (int c = 0; c < 3; c++) {
+            double sigma_per_m = densities[i] * from->sigma_t_per_m[c];
+            if (sigma_per_m > 0) least = fmin(least, sigma_per_m);
+        }
+    return least;
+}
+
+/* A part that does not end, of a medium without bounds, is cut off where nothing comes through it. */
+static al_march_part march_part(const al_media_line *line, uint32_t index, double end_m)
+{
+    const al_media_part *at = &line->parts[index];
+    al_march_part part = {&line->media->media[at->medium].from, at->begin_m, fmin(at->end_m, end_m)};
+    if (!isfinite(part.end_m)) part.end_m = part.begin_m + nothing_left / least_per_m(part.medium);
+    return part;
+}
+
+void al_media_transmittance(const al_media_line *line, double end_m, double transmittance[3])
+{
+    double depth[3] = {0};
+    for (uint32_t i = 0; i < line->part_count; i++) {
+        al_march_part part = march_part(line, i, end_m);
+        if (!(part.begin_m < part.end_m)) continue;
+        double length = al_march_length(part.medium, line->ray, part.begin_m, part.end_m);
+        for (int c = 0; c < 3; c++) depth[c] += part.medium->sigma_t_per_m[c] * length;
+    }
+    for (int c = 0; c < 3; c++) transmittance[c] = exp(-depth[c]);
+}
+
+bool al_media_cells(al_media_line *line, al_cells *cells)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < line->part_count; i++) {
+        al_march_part part = march_part(line, i, INFINITY);
+        if (part.begin_m < part.end_m) line->marched[count++] = part;
+    }
+    return al_march_cells(line->ray, line->marched, count, cells);
 }
 
 /* --- flight --- */

@@ -27,6 +27,7 @@ typedef struct al_media_line {
     al_media_part *parts; /* they overlap where media do, and are in no order */
     uint32_t part_count, part_room;
     al_line segments;
+    al_march_part *marched; /* [part_room] */
 } al_media_line;
 void al_media_line_free(al_media_line *line);
 
@@ -46,6 +47,12 @@ al_flight al_media_fly(al_media_line *line, double end_m, al_random *random, dou
 
 /* Multiplies `throughput` by an unbiased estimate of the transmittance from the line's origin to `end_m`. */
 void al_media_attenuate(const al_media_line *line, double end_m, al_random *random, double throughput[3]);
+
+/* The same in closed form, without noise: the integrals of march.h. */
+void al_media_transmittance(const al_media_line *line, double end_m, double transmittance[3]);
+/* Fills `cells` for the line; a medium without bounds ends where nothing comes through it any more. False
+ * without memory. */
+bool al_media_cells(al_media_line *line, al_cells *cells);
 
 /* What a part of the line scatters with at a distance; false where it is not or is empty. */
 bool al_media_part_scatters(const al_media_line *line, uint32_t part, double distance_m,

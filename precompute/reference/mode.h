@@ -4,13 +4,16 @@
 
 #include "ray_scene.h"
 
-/* Which paths count, to look at a part of the light alone. */
-typedef struct al_mode_limits {
+typedef struct al_mode_options {
+    /* volume-path: which paths count, to look at a part of the light alone. */
     uint32_t min_events, max_events; /* scattering events in media */
     uint32_t max_bounces;            /* reflections off surfaces; 0: surfaces are black */
-} al_mode_limits;
+    /* surface-to-volume: what is left out between the surface and the scattering point. */
+    bool no_visibility;  /* no surface is in the way */
+    bool no_attenuation; /* no medium is */
+} al_mode_options;
 
-static const al_mode_limits al_mode_unlimited = {0, UINT32_MAX, UINT32_MAX};
+static const al_mode_options al_mode_defaults = {.max_events = UINT32_MAX, .max_bounces = UINT32_MAX};
 
 enum { AL_PROBE_ORDER = 3, AL_PROBE_COUNT = AL_PROBE_ORDER * AL_PROBE_ORDER };
 
@@ -21,9 +24,8 @@ typedef struct al_receiver {
 
 typedef struct al_mode {
     const char *name, *summary;
-    bool has_limits; /* takes others than al_mode_unlimited */
     /* The import must outlive the state. */
-    al_status (*open)(const al_import *import, const al_mode_limits *limits, void **state, al_error *error);
+    al_status (*open)(const al_import *import, const al_mode_options *options, void **state, al_error *error);
     void (*close)(void *state);
     /* Random numbers one call of `radiance` or `receive` takes. */
     uint32_t (*dimensions)(const void *state);
@@ -40,6 +42,6 @@ typedef struct al_mode {
                     double (*out)[3]);
 } al_mode;
 
-extern const al_mode al_mode_single_scatter, al_mode_volume_path;
+extern const al_mode al_mode_single_scatter, al_mode_surface_to_volume, al_mode_volume_path;
 
 #endif

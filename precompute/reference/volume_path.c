@@ -27,13 +27,14 @@
 #include <stdlib.h>
 
 #include "airlight/formulas.h"
+#include "directions.h"
 #include "emitters.h"
 #include "environment_sampler.h"
 #include "media.h"
 #include "mode.h"
 
 typedef struct volume_path {
-    al_mode_limits limits;
+    al_mode_options options;
     al_ray_scene *scene;
     al_emitters *emitters;
     al_environment_sampler environment;
@@ -77,7 +78,7 @@ static bool sort_lights(const al_scene *scene, volume_path *state)
     return true;
 }
 
-static al_status open_state(const al_import *import, const al_mode_limits *limits, void **out,
+static al_status open_state(const al_import *import, const al_mode_options *options, void **out,
                             al_error *error)
 {
     *out = NULL;
@@ -86,7 +87,7 @@ static al_status open_state(const al_import *import, const al_mode_limits *limit
         close_state(state);
         return al_fail(error, AL_IO, "out of memory for %u lights", import->scene.light_count);
     }
-    state->limits = *limits;
+    state->options = *options;
     al_status status = al_environment_sampler_create(&import->scene.environment, &state->environment, error);
     if (!status) status = al_media_create(import, &state->media, error);
     if (!status) status = al_ray_scene_create(import, AL_RAY_SCENE_ALL, &state->scene, error);
@@ -116,11 +117,6 @@ static void scratch_free(void *user)
     al_media_line_free(&s->path);
     al_media_line_free(&s->light);
     free(s);
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 static double largest(const double v[3])
@@ -158,32 +154,13 @@ static double lobe_density(const vertex *v, const double towards[3])
 {
     switch (v->lobe) {
     case LOBE_COSINE:
-        return fmax(0, dot(v->axis, towards)) / AL_PI;
+        return fmax(0, al_dot(v->axis, towards)) / AL_PI;
     case LOBE_PHASE:
-        return al_phase(v->g, dot(v->axis, towards));
+        return al_phase(v->g, al_dot(v->axis, towards));
     case LOBE_SPHERE:
         break;
     }
     return 1 / (4 * AL_PI);
-}
-
-/* Two axes across: Duff et al. 2017, "Building an Orthonormal Basis, Revisited". */
-static void turn(const double axis[3], double cosine, double phi, double direction[3])
-{
-    double sine = sqrt(fmax(0, 1 - cosine * cosine)), a[3], b[3];
-    double sign = axis[2] < 0 ? -1 : 1, q = -1 / (sign + axis[2]), r = axis[0] * axis[1] * q;
-    a[0] = 1 + sign * axis[0] * axis[0] * q, a[1] = sign * r, a[2] = -sign * axis[0];
-    b[0] = r, b[1] = sign + axis[1] * axis[1] * q, b[2] = -axis[1];
-    for (int k = 0; k < 3; k++) direction[k] = sine * (cos(phi) * a[k] + sin(phi) * b[k]) + cosine * axis[k];
-}
-
-/* Cosine of Henyey-Greenstein: (1 + g^2 - ((1 - g^2) / (1 - g + 2 g u))^2) / (2 g), which loses its digits
- * where g is near 0. */
-static double phase_cosine(double g, double u)
-{
-    if (fabs(g) < 1e-4) return 2 * u - 1 + 3.0 / 2 * g * (1 - (2 * u - 1) * (2 * u - 1));
-    double square = (1 - g * g) / (1 - g + 2 * g * u);
-    return fmin(fmax((1 + g * g - square * square) / (2 * g), -1), 1);
 }
 
 static void draw_direction(const vertex *v, double u0, double u1, double direction[3])
@@ -191,13 +168,13 @@ static void draw_direction(const vertex *v, double u0, double u1, double directi
     double phi = 2 * AL_PI * u1;
     switch (v->lobe) {
     case LOBE_COSINE:
-        turn(v->axis, sqrt(1 - u0), phi, direction);
+        al_direction_about(v->axis, sqrt(1 - u0), phi, direction);
         break;
     case LOBE_PHASE:
-        turn(v->axis, phase_cosine(v->g, u0), phi, direction);
+        al_direction_about(v->axis, al_phase_cosine(v->g, u0), phi, direction);
         break;
     case LOBE_SPHERE:
-        turn((double[]){0, 0, 1}, 2 * u0 - 1, phi, direction);
+        al_direction_about((double[]){0, 0, 1}, 2 * u0 - 1, phi, direction);
         break;
     }
 }
@@ -240,32 +217,9 @@ static vertex scatter_vertex(const al_media_line *line, const stretch *along, co
 
 /* --- equal angles --- */
 
-/* distance = foot + height tan(angle), angle even between first and last. */
-typedef struct angles {
-    double foot_m, height_m, first, last;
-} angles;
-
-static bool aim(const stretch *along, const double light[3], angles *out)
+static bool aim(const stretch *along, const double light[3], al_angles *out)
 {
-    double to[3], square = 0;
-    if (!(along->begin_m < along->end_m)) return false;
-    for (int k = 0; k < 3; k++) to[k] = light[k] - along->ray.origin[k];
-    out->foot_m = dot(to, along->ray.direction);
-    for (int k = 0; k < 3; k++) {
-        double off = to[k] - out->foot_m * along->ray.direction[k];
-        square += off * off;
-    }
-    /* A light on the ray itself would make every angle the same. */
-    out->height_m = fmax(sqrt(square), 1e-9 * (1 + fabs(out->foot_m)));
-    out->first = atan2(along->begin_m - out->foot_m, out->height_m);
-    out->last = atan2(along->end_m - out->foot_m, out->height_m);
-    return out->last > out->first;
-}
-
-static double angle_density(const angles *a, double distance_m)
-{
-    double off = distance_m - a->foot_m;
-    return a->height_m / ((a->last - a->first) * (a->height_m * a->height_m + off * off));
+    return al_angles_aim(&along->ray, along->begin_m, along->end_m, light, out);
 }
 
 /* Keeps products with 0 from being NaN. */
@@ -274,9 +228,9 @@ static const double ratio_limit = 1e30;
 /* k of the comment on top, for light from a point that is scattered at the event. */
 static double angle_ratio(const event *at, const double light[3])
 {
-    angles a;
+    al_angles a;
     if (!(at->density > 0) || !aim(&at->along, light, &a)) return 0;
-    return fmin(angle_density(&a, at->at_m) / at->density, ratio_limit);
+    return fmin(al_angles_density(&a, at->at_m) / at->density, ratio_limit);
 }
 
 /* --- lights --- */
@@ -350,7 +304,7 @@ static bool ask_emitter(const al_surface_hit *point, double per_m2, const double
     if (!(square > 0)) return false;
     a->end_m = sqrt(square);
     for (int k = 0; k < 3; k++) a->towards[k] /= a->end_m;
-    double cosine = -dot(point->normal, a->towards);
+    double cosine = -al_dot(point->normal, a->towards);
     if (point->material->double_sided) cosine = fabs(cosine);
     if (!(cosine > 0)) return false;
     a->density = per_m2 * square / cosine;
@@ -433,12 +387,12 @@ static stretch stretch_of(const al_media_line *line)
 static double draw_angle(const stretch *along, const double light[3], al_random *random, double *at_m,
                          double position[3])
 {
-    angles a;
+    al_angles a;
     if (!aim(along, light, &a)) return 0;
-    *at_m = a.foot_m + a.height_m * tan(a.first + al_random_real(random) * (a.last - a.first));
+    *at_m = al_angles_draw(&a, al_random_real(random));
     if (!(*at_m >= along->begin_m && *at_m <= along->end_m) || !isfinite(*at_m)) return 0;
     for (int k = 0; k < 3; k++) position[k] = along->ray.origin[k] + *at_m * along->ray.direction[k];
-    return angle_density(&a, *at_m);
+    return al_angles_density(&a, *at_m);
 }
 
 /* Adds what `from` sends to a point of the path's line, drawn with `density`, to be scattered there. */
@@ -446,7 +400,7 @@ static bool add_scattered(const volume_path *state, scratch *s, double at_m, dou
                           const double position[3], const double throughput[3], al_random *random,
                           double out[3])
 {
-    double cosine = dot(from->towards, s->path.ray->direction), sum[3] = {0}, sigma_s[3], g;
+    double cosine = al_dot(from->towards, s->path.ray->direction), sum[3] = {0}, sigma_s[3], g;
     double events = al_media_flight_density(&s->path, at_m), k = fmin(density / events, ratio_limit);
     if (!(events > 0)) return true;
     for (uint32_t i = 0; i < s->path.part_count; i++) {
@@ -506,7 +460,7 @@ typedef struct walk {
 
 static bool counts(const volume_path *state, uint32_t events)
 {
-    return events >= state->limits.min_events && events <= state->limits.max_events;
+    return events >= state->options.min_events && events <= state->options.max_events;
 }
 
 /* Light that the path itself meets: its share beside asking for it. */
@@ -519,7 +473,7 @@ static void add_met(const walk *w, const double radiance[3], double asked, doubl
 static void add_emission(const volume_path *state, const walk *w, const al_surface_hit *hit, double out[3])
 {
     if (!(largest(hit->emission_w_m2_sr) > 0)) return;
-    double cosine = fabs(dot(hit->normal, w->ray.direction));
+    double cosine = fabs(al_dot(hit->normal, w->ray.direction));
     double asked = al_emitters_density(state->emitters, hit->material) * hit->distance_m * hit->distance_m *
                    (1 + angle_ratio(&w->event, hit->position));
     add_met(w, hit->emission_w_m2_sr, cosine > 0 ? asked / cosine : INFINITY, out);
@@ -543,7 +497,7 @@ static bool walk_on(const volume_path *state, scratch *s, walk *w, al_random *ra
     *goes_on = false;
     if (!al_media_line_fill(&state->media, state->scene, &w->ray, end_m, &s->path)) return false;
     stretch along = stretch_of(&s->path);
-    bool may_scatter = w->events < state->limits.max_events;
+    bool may_scatter = w->events < state->options.max_events;
     if (may_scatter && counts(state, w->events + 1) &&
         !add_angles(state, s, &along, w->throughput, random, out))
         return false;
@@ -557,7 +511,7 @@ static bool walk_on(const volume_path *state, scratch *s, walk *w, al_random *ra
     } else {
         if (counts(state, w->events) && met) add_emission(state, w, &hit, out);
         if (counts(state, w->events) && !met) add_sky(state, w, out);
-        if (!met || w->bounces >= state->limits.max_bounces) return true;
+        if (!met || w->bounces >= state->options.max_bounces) return true;
         *v = surface_vertex(&hit);
         w->bounces++;
     }
@@ -660,7 +614,6 @@ static bool receive(const void *user, void *memory, const al_receiver *receiver,
 const al_mode al_mode_volume_path = {
     .name = "volume-path",
     .summary = "all light, off surfaces and out of media",
-    .has_limits = true,
     .open = open_state,
     .close = close_state,
     .dimensions = dimensions,

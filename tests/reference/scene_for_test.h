@@ -45,7 +45,7 @@ static inline al_import *import_scene(const char *json)
     return import;
 }
 
-static inline test_scene open_scene_for(const al_mode *mode, const al_mode_limits *limits, const char *json)
+static inline test_scene open_scene_for(const al_mode *mode, const al_mode_options *limits, const char *json)
 {
     test_scene scene = {.mode = mode, .import = import_scene(json)};
     al_error error = {0};
@@ -59,7 +59,7 @@ static inline test_scene open_scene_for(const al_mode *mode, const al_mode_limit
 
 static inline test_scene open_scene(const char *json)
 {
-    return open_scene_for(&al_mode_single_scatter, &al_mode_unlimited, json);
+    return open_scene_for(&al_mode_single_scatter, &al_mode_defaults, json);
 }
 
 static inline al_ray ray_along(double x, double y, double z, double dx, double dy, double dz)

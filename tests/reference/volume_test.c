@@ -14,7 +14,7 @@
 static const double sigmas = 4.5;
 
 AL_PRINTF(2, 3)
-static test_scene open_paths(al_mode_limits limits, const char *format, ...)
+static test_scene open_paths(al_mode_options limits, const char *format, ...)
 {
     static char json[16384];
     va_list arguments;
@@ -24,14 +24,14 @@ static test_scene open_paths(al_mode_limits limits, const char *format, ...)
     return open_scene_for(&al_mode_volume_path, &limits, json);
 }
 
-static al_mode_limits up_to(uint32_t events, uint32_t bounces)
+static al_mode_options up_to(uint32_t events, uint32_t bounces)
 {
-    return (al_mode_limits){0, events, bounces};
+    return (al_mode_options){.max_events = events, .max_bounces = bounces};
 }
 
-static al_mode_limits exactly(uint32_t events)
+static al_mode_options exactly(uint32_t events)
 {
-    return (al_mode_limits){events, events, UINT32_MAX};
+    return (al_mode_options){.min_events = events, .max_events = events, .max_bounces = UINT32_MAX};
 }
 
 /* Radiance within noise of what is expected, and noise within `noise` of it. */
@@ -100,7 +100,7 @@ static void test_furnace(void)
     };
     for (size_t i = 0; i < sizeof media / sizeof *media; i++) {
         test_scene scene = open_paths(
-            al_mode_unlimited,
+            al_mode_defaults,
             "{%s'materials':[{'name':'glow','base_color':0.5,'emission_w_m2_sr':1,'double_sided':true}],"
             "'meshes':[{'name':'box','shape':{'type':'box','size_m':2},'material':'glow'}%s]}",
             media[i], i == 4 ? ",{'name':'ball','shape':{'type':'sphere','subdivisions':3}}" : "");
@@ -121,7 +121,7 @@ static void test_even_sky(void)
     static const double asymmetries[] = {0, 0.9, -0.6, 1e-5};
     for (int i = 0; i < 4; i++) {
         test_scene scene = open_paths(
-            al_mode_unlimited,
+            al_mode_defaults,
             "{'environment':{'radiance_w_m2_sr':[1,2,3]},'materials':[{'name':'white','base_color':1}],"
             "'meshes':[{'name':'b','shape':{'type':'sphere','subdivisions':2},'material':'white'}],"
             "'media':[" FOG(
@@ -138,7 +138,7 @@ static void test_even_sky(void)
 static void test_attenuation(void)
 {
     test_scene scene = open_paths(
-        al_mode_unlimited,
+        al_mode_defaults,
         "{'materials':[{'name':'glow','base_color':0,'emission_w_m2_sr':[1,2,3]}],"
         "'meshes':[{'name':'p','shape':{'type':'plane','width_m':10,'depth_m':10},'"
         "material':'glow'}],"
@@ -178,7 +178,7 @@ static void test_attenuation(void)
 static void test_lambert(void)
 {
     test_scene scene =
-        open_paths(al_mode_unlimited,
+        open_paths(al_mode_defaults,
                    "{'lights':[{'type':'directional','direction':[0,-0.8,0.6],'irradiance_w_m2':[1,2,3]}],"
                    "'materials':[{'name':'m','base_color':[0.2,0.4,0.6],'metallic':0.25}],"
                    "'meshes':[{'name':'p','shape':{'type':'plane'},'material':'m'}]}");
@@ -200,11 +200,11 @@ static void test_rectangle(void)
         "'meshes':[{'name':'p','shape':{'type':'plane','width_m':1,'depth_m':1},'material':'glow',"
         "'transform':{'rotate_degrees':[180,0,0],'translate_m':[0.5,1,0.5]}}%s]}";
     double x = 1 / sqrt(2), factor = 2 * x * atan(x) / (2 * AL_PI);
-    test_scene scene = open_paths(al_mode_unlimited, lamp, "");
+    test_scene scene = open_paths(al_mode_defaults, lamp, "");
     check_received(&scene, (al_receiver){{0, 0, 0}, {0, 1, 0}}, 2000, 0, 5 * AL_PI * factor, 0.01);
     check_received(&scene, (al_receiver){{0, 0, 0}, {0, -1, 0}}, 16, 0, 0, 0);
     close_scene(&scene);
-    scene = open_paths(al_mode_unlimited, lamp,
+    scene = open_paths(al_mode_defaults, lamp,
                        ",{'name':'s','shape':{'type':'plane','width_m':3,'depth_m':3},'transform':{'"
                        "translate_m':[0,0.5,0]}}");
     check_received(&scene, (al_receiver){{0, 0, 0}, {0, 1, 0}}, 200, 0, 0, 0);
@@ -292,7 +292,8 @@ static void test_object(void)
                                                              "0.6,0,-0.8],'irradiance_w_m2':2},"
                                                              "{'type':'point','position_m':[0.2,0.9,0.1],'"
                                                              "intensity_w_sr':1}]}";
-    test_scene paths = open_paths((al_mode_limits){1, 1, 0}, object), single = open_scene(object);
+    test_scene paths = open_paths((al_mode_options){.min_events = 1, .max_events = 1}, object),
+               single = open_scene(object);
     al_ray rays[] = {ray_along(0.1, 0.1, 3, 0, 0, -1), ray_along(-0.3, 0.2, 3, 0, 0, -1)};
     for (int i = 0; i < 2; i++)
         for (int c = 0; c < 3; c++) {
@@ -349,7 +350,7 @@ static void test_map(void)
                        (double)pixels[(v / FINE * WIDTH + u / FINE) * 3];
             }
         test_scene scene = open_paths(
-            al_mode_unlimited,
+            al_mode_defaults,
             "{'environment':{'file':'%s'},'media':[" FOG(
                 "a", "'sigma_s_per_m':0,'sigma_a_per_m':0.75",
                 "'type':'constant','bounds_min_m':[-1,-1,-1],'bounds_max_m':[1,1,1]") "],'fogs':[%s]}",
@@ -387,7 +388,7 @@ static void test_many_lamps(void)
         expected += (1.0 + i % 5) * exp(-0.5 * d) / (square * d);
     }
     test_scene scene =
-        open_paths(al_mode_unlimited, lamps_over_floor, lamps,
+        open_paths(al_mode_defaults, lamps_over_floor, lamps,
                    FOG("a", "'sigma_s_per_m':0,'sigma_a_per_m':0.5", "'type':'constant'"), "'a'");
     check_received(&scene, (al_receiver){{0, 0, 0}, {0, 1, 0}}, 16384, 0, expected, 0.01 * expected);
     close_scene(&scene);
@@ -397,7 +398,7 @@ static void test_many_lamps(void)
  * scene off. */
 static void test_lamp_on_surface(void)
 {
-    test_scene scene = open_paths(al_mode_unlimited, lamps_over_floor,
+    test_scene scene = open_paths(al_mode_defaults, lamps_over_floor,
                                   "{'type':'point','position_m':[0.25,0,0.125],'intensity_w_sr':2}", "", "");
     double noise;
     for (int side = -1; side <= 1; side += 2) {
