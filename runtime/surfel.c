@@ -123,8 +123,7 @@ static void coarsen(al_draw *draw, double surfels)
     update_rule(draw);
 }
 
-/* Each fine surfel is kept or not on its own, so the count's variance is at most its mean: five standard deviations,
- * and a tenth for what moves. */
+/* The count's variance is at most its mean: five standard deviations, and a tenth for what moves. */
 static al_status start(al_draw *draw)
 {
     al_surfels *s = &draw->runtime->surfels;
@@ -224,7 +223,7 @@ static void set_rule(GLuint program, const al_surfel_rule *rule)
 /* Triangles on their way: of the scene, or what a round of splitting made of them. */
 typedef struct input {
     const float *world;
-    GLint choice[4]; /* uniform 5 of shaders/surfel*.tesc */
+    GLint choice[3]; /* instance; 1 for parts; -1 where it mirrors, else 1 */
     GLuint vertex_array, feedback; /* feedback: that captured them; 0: the range of indices of `part` */
     const al_submesh *part;
 } input;
@@ -232,7 +231,7 @@ typedef struct input {
 static void draw_input(const input *in)
 {
     glUniformMatrix4fv(0, 1, GL_FALSE, in->world);
-    glUniform4iv(5, 1, in->choice);
+    glUniform3iv(5, 1, in->choice);
     glBindVertexArray(in->vertex_array);
     if (in->feedback)
         glDrawTransformFeedback(GL_PATCHES, in->feedback);
@@ -257,7 +256,7 @@ static void split(al_draw *draw, const programs *p, int round, input *in)
     glBindTransformFeedback(GL_TRANSFORM_FEEDBACK, s->cloud_feedback);
     glResumeTransformFeedback();
     in->world = identity;
-    in->choice[2] = 1;
+    in->choice[1] = 1;
     in->vertex_array = s->parts_array[to];
     in->feedback = s->parts_feedback[to];
 }
@@ -273,11 +272,7 @@ static void capture_instance(al_draw *draw, const programs *p, uint32_t index)
     for (uint32_t i = 0; i < mesh->submesh_count; i++) {
         const al_submesh *part = &mesh->submeshes[i];
         GLint mirrors = al_instance_mirrors(instance) ? -1 : 1;
-        input in = {instance->world,
-                    {(GLint)index, (GLint)(part->first_index / 3), 0, mirrors},
-                    vertex_array,
-                    0,
-                    part};
+        input in = {instance->world, {(GLint)index, 0, mirrors}, vertex_array, 0, part};
         if (!part->index_count) continue;
         al_material_bind(runtime, part);
         for (int round = 0; round <= rounds; round++) {

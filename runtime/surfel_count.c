@@ -4,8 +4,9 @@
  * probability min(1, A/A*(x)). The expected number is
  *   n / |T| integral over T of min(1, A/A*(x)) dx = integral over T of dx / max(A, A*(x)),
  * which is the integral of dx / A*(x), as A is chosen no larger than A* at the triangle's nearest point. (Where
- * not even a split triangle can be cut as finely as that, there are fewer.) Kept or not, they are independent, so the
- * variance is the sum of p (1 - p), at most the expected number.
+ * not even a split triangle can be cut as finely as that, there are fewer.) Were they kept or not independently, the
+ * variance would be the sum of p (1 - p), at most the expected number; random numbers that are even over each triangle
+ * leave less.
  *
  * The integral, of 1 / (A1 max(d, d0)^2), is summed over parts of triangles that are small beside their distance,
  * each by the midpoints of its edges, exact for quadratics. */

@@ -1,7 +1,9 @@
 #version 450 core
 // Thins fine surfels to the wanted size and captures those that are kept, with their material where their light will
 // be. A surfel of area A is dropped with probability max(1 - A/A*, 0), a kept one gets max(A, A*): min(1, A/A*)
-// max(A, A*) = A, so that areas add up to the triangle's in expectation. They leave by stream 1; by stream 0,
+// max(A, A*) = A, so that areas add up to the triangle's in expectation. The random number is even over the
+// surfels of the triangle, k + u of n for the k-th, all with one u: where A* is the same all over it, |T| / A* of them
+// are kept but for rounding up or down, and as A* falls they come one by one. They leave by stream 1; by stream 0,
 // whose primitives are counted apart, parts of huge triangles.
 #extension GL_GOOGLE_include_directive : enable
 #include "surfel_size.glsl"

@@ -5,7 +5,7 @@
 #include "surfel_size.glsl"
 
 layout(vertices = 3) out;
-layout(location = 5) uniform ivec4 choice; // x: instance; y: first primitive; z: 0 triangles of the scene, 1 parts
+layout(location = 5) uniform ivec3 choice; // x: instance
 layout(location = 7) uniform bool leave_huge; // they are split
 
 in vec3 vertex_position[];
@@ -15,6 +15,7 @@ out vec3 corner_position[];
 out vec2 corner_uv[];
 patch out float fine_area; // m2
 patch out uint seed;
+patch out float offset; // [0, 1)
 
 void main()
 {
@@ -27,6 +28,8 @@ void main()
     gl_TessLevelOuter[0] = gl_TessLevelOuter[1] = gl_TessLevelOuter[2] = left_out ? 0.0 : level;
     gl_TessLevelInner[0] = level;
     fine_area = area / fine_count(level);
-    uint which = choice.z == 0 ? uint(choice.y + gl_PrimitiveID) : vertex_key[0];
-    seed = hash(uvec3(choice.x, which, 0u)).x;
+    uint which = hash(uvec3(vertex_key[0], vertex_key[1], vertex_key[2])).x;
+    uvec3 random = hash(uvec3(choice.x, which, 0u));
+    seed = random.x;
+    offset = float(random.y >> 8) / 16777216.0;
 }

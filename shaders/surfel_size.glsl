@@ -59,7 +59,8 @@ float nearest_distance(vec3 a, vec3 b, vec3 c)
 // surfels of one triangle are of one size, that wanted at its nearest point, and thinned where it is larger. So a
 // triangle is too large when the tessellator cannot make as many as it needs, or makes far more than are kept
 // because distances vary much over it. The decision is taken twice, by the pass that splits and by that which
-// leaves these triangles to it: `precise` makes them agree.
+// leaves these triangles to it: `precise` makes them agree. There are two levels only, so that parts, and so the
+// surfels on them, seldom change while the camera moves.
 float split_level(vec3 a, vec3 b, vec3 c)
 {
     precise vec3 ab = b - a, bc = c - b, ca = a - c, across = cross(ab, c - a);
@@ -68,7 +69,7 @@ float split_level(vec3 a, vec3 b, vec3 c)
     precise float count = area / wanted_area(nearest);
     precise float level = sqrt(count / fine_count(most_level));
     if (eye.w > 0.0 && count > fine_count(2.0)) level = max(level, longest / max(nearest, surfel_size.y));
-    return level > 1.0 ? clamp(ceil(level), 2.0, most_level) : 0.0;
+    return level > 3.0 ? 6.0 : level > 1.0 ? 3.0 : 0.0;
 }
 
 #endif

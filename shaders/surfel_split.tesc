@@ -1,10 +1,10 @@
 #version 450 core
 // Only huge triangles go on, with the level that cuts them into smaller ones.
 #extension GL_GOOGLE_include_directive : enable
+#include "surfel_hash.glsl"
 #include "surfel_size.glsl"
 
 layout(vertices = 3) out;
-layout(location = 5) uniform ivec4 choice; // y: first primitive; z: 0 triangles of the scene, 1 parts
 
 in vec3 vertex_position[];
 in vec2 vertex_uv[];
@@ -20,5 +20,5 @@ void main()
     float level = split_level(vertex_position[0], vertex_position[1], vertex_position[2]);
     gl_TessLevelOuter[0] = gl_TessLevelOuter[1] = gl_TessLevelOuter[2] = level;
     gl_TessLevelInner[0] = level;
-    whole_key = choice.z == 0 ? uint(choice.y + gl_PrimitiveID) : vertex_key[0];
+    whole_key = hash(uvec3(vertex_key[0], vertex_key[1], vertex_key[2])).x;
 }
