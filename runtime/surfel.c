@@ -3,8 +3,8 @@
  * the GPU by tessellation and transform feedback. shaders/surfel*.* hold the steps.
  *
  * How many surfels there will be is known only when they are there. The buffer starts from the expected number
- * (surfel_count.c); the first frame of a cloud waits for the count and goes again when there was no room. Later
- * frames look at counts that have come back, without waiting, and make room for the next frame. */
+ * (surfel_count.c); the first frame, and one after a cut, waits for the count and goes again when there was no room.
+ * Later frames look at counts that have come back, without waiting, and make room for the next frame. */
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
@@ -181,6 +181,11 @@ static al_status collect(al_draw *draw)
 
 /* --- capture --- */
 
+static bool sends(const al_runtime *runtime, const al_instance *instance)
+{
+    return instance->role == AL_ROLE_OPAQUE && runtime->model.meshes[instance->mesh].vertex_array;
+}
+
 typedef struct programs {
     GLuint fine, split;
 } programs;
@@ -267,7 +272,7 @@ static void capture_instance(al_draw *draw, const programs *p, uint32_t index)
     const al_instance *instance = &runtime->scene.instances[index];
     const al_mesh *mesh = &runtime->scene.meshes[instance->mesh];
     GLuint vertex_array = runtime->model.meshes[instance->mesh].vertex_array;
-    if (instance->role != AL_ROLE_OPAQUE || !vertex_array) return;
+    if (!sends(runtime, instance)) return;
     int rounds = may_be_huge(runtime, instance, &runtime->surfels.rule) ? ROUNDS : 0;
     for (uint32_t i = 0; i < mesh->submesh_count; i++) {
         const al_submesh *part = &mesh->submeshes[i];
@@ -312,15 +317,43 @@ static void capture(al_draw *draw, const programs *p)
     count->pending = true;
 }
 
+/* Whether there may be many more surfels than in the frame before, `rule` its rule: they are finer, or the eye has moved
+ * by more than half of its distance to the box of all opaque instances (or, nearer than that, a twentieth of the box), as
+ * it does when the view changes to another camera. */
+static bool is_cut(const al_draw *draw, const al_surfel_rule *before)
+{
+    const al_runtime *runtime = draw->runtime;
+    const al_surfel_rule *rule = &runtime->surfels.rule;
+    double away = 0, extent = 0, moved = 0;
+    float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (uint32_t i = 0; i < runtime->scene.instance_count; i++) {
+        float box[2][3];
+        if (!sends(runtime, &runtime->scene.instances[i])) continue;
+        al_model_world_box(runtime, &runtime->scene.instances[i], box[0], box[1]);
+        for (int k = 0; k < 3; k++) {
+            low[k] = fminf(low[k], box[0][k]);
+            high[k] = fmaxf(high[k], box[1][k]);
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        away += pow(fmax(fmax(low[k] - before->eye[k], before->eye[k] - high[k]), 0), 2);
+        extent += pow(high[k] - low[k], 2);
+        moved += pow(rule->eye[k] - before->eye[k], 2);
+    }
+    bool perspective = rule->eye[3] > 0;
+    return rule->area < 0.7 * before->area || rule->eye[3] != before->eye[3] ||
+           (perspective && sqrt(moved) > 0.5 * fmax(sqrt(away), 0.05 * sqrt(extent)));
+}
+
 static al_status make_cloud(al_draw *draw)
 {
     al_surfels *s = &draw->runtime->surfels;
-    double area_before = s->rule.area;
+    al_surfel_rule before = s->rule;
     programs p = {0};
     if (!(s->coarseness >= 1)) s->coarseness = 1;
     al_status status = s->cloud.id ? collect(draw) : AL_OK;
     update_rule(draw);
-    bool settled = s->cloud.id && s->rule.area > 0.7 * area_before; /* not a new cloud, nor a much finer one */
+    bool settled = s->cloud.id && !is_cut(draw, &before);
     if (!status && !settled) status = start(draw);
     if (!status && !s->parts[0].id) status = resize_parts(draw, FIRST_VERTICES);
     if (!status) status = get_programs(draw, &p);

@@ -5,6 +5,7 @@
 
 #include "../../runtime/state.h"
 #include "../test.h"
+#include "airlight/formulas.h"
 #include "sphere.h"
 #include "stage.h"
 
@@ -214,11 +215,412 @@ static void test_shapes(void)
     free(thin.corners);
 }
 
+static al_view front_view(void)
+{
+    return stage_look(WIDTH, HEIGHT, (float[3]){0, 1, 4}, (float[3]){0, 0, 0}, 0.7f);
+}
+
+static const al_settings shown = {.pass = AL_PASS_SURFELS, .surfel_pixels = 1};
+
+/* Seen orthographically one triangle wants the same area everywhere: of c surfels' worth, the integers next to c are
+ * kept, whatever the level. That is so only if each point of the tessellator's pattern gets a number of its own. */
+static void test_numbers(void)
+{
+    triangles t = {0};
+    add_triangle(&t, (float[3]){-1, -1, 0}, (float[3]){1, -1, 0}, (float[3]){0.3f, 0.8f, 0.4f});
+    al_runtime *runtime = open_scene(&t, NULL, 0, 0);
+    al_view view = stage_ortho(WIDTH, HEIGHT, 1);
+    double area = total_area(&t), pixel = 4.0 / (WIDTH * HEIGHT);
+    for (int wanted = 1; wanted < 48; wanted++) {
+        al_settings settings = {.pass = AL_PASS_SURFELS,
+                                .surfel_pixels = (float)sqrt(area / (wanted + 0.5) / AL_PI / pixel)};
+        cloud c = draw_cloud(runtime, &view, &settings);
+        CHECK(c.count == (uint32_t)wanted || c.count == (uint32_t)wanted + 1);
+        for (uint32_t i = 0; i < c.count; i++) CHECK_NEAR(c.surfels[i].area * (wanted + 0.5) / area, 1, 1e-5);
+        free(c.surfels);
+    }
+    al_runtime_destroy(runtime);
+    free(t.corners);
+}
+
+/* Places are even over a triangle: the mean of n is its middle, within four standard errors of a coordinate whose
+ * variance over the triangle is (sum of squares of the corners' offsets from the middle) / 12; and as many lie in each
+ * of its four halves-by-halves. */
+static void test_places(void)
+{
+    const float corners[3][3] = {{-1, -1, 0}, {1, -1, 0}, {0.3f, 0.8f, 0.4f}};
+    triangles t = {0};
+    add_triangle(&t, corners[0], corners[1], corners[2]);
+    al_runtime *runtime = open_scene(&t, NULL, 0, 0);
+    al_view view = stage_ortho(800, 600, 1);
+    cloud c = draw_cloud(runtime, &view, &(al_settings){.pass = AL_PASS_SURFELS, .surfel_pixels = 2});
+    CHECK(c.count > 10000);
+    for (int k = 0; k < 2; k++) {
+        double middle = 0, variance = 0, mean = 0;
+        for (int i = 0; i < 3; i++) middle += corners[i][k] / 3.0;
+        for (int i = 0; i < 3; i++) variance += pow(corners[i][k] - middle, 2) / 12;
+        for (uint32_t i = 0; i < c.count; i++) mean += c.surfels[i].place[k] / c.count;
+        CHECK_NEAR(mean, middle, 4 * sqrt(variance / c.count));
+    }
+    double quarter = 0; /* above half of the height: a triangle of half the size */
+    for (uint32_t i = 0; i < c.count; i++) quarter += c.surfels[i].place[1] > -0.1f;
+    CHECK_NEAR(quarter / c.count, 0.25, 4 * sqrt(0.25 * 0.75 / c.count));
+    free(c.surfels);
+    al_runtime_destroy(runtime);
+    free(t.corners);
+}
+
+/* The same view leaves the same bytes: again, and in another runtime. */
+static void test_same(void)
+{
+    triangles t = {0};
+    add_box(&t, (float[3]){0, 0, 0}, (float[3]){1, 0.7f, 0.4f}, 3);
+    const lamp lamps[] = {{AL_LIGHT_POINT, {0, 2, 3}, 5}};
+    al_view view = front_view();
+    al_runtime *runtime = open_scene(&t, lamps, 1, 0.3f);
+    cloud first = draw_cloud(runtime, &view, &shown);
+    al_view other = stage_look(WIDTH, HEIGHT, (float[3]){3, 1, 1}, (float[3]){0, 0, 0}, 0.5f);
+    free(draw_cloud(runtime, &other, &shown).surfels);
+    cloud second = draw_cloud(runtime, &view, &shown);
+    al_runtime_destroy(runtime);
+    runtime = open_scene(&t, lamps, 1, 0.3f);
+    cloud third = draw_cloud(runtime, &view, &shown);
+    CHECK(first.count > 100 && first.count == second.count && first.count == third.count);
+    CHECK(!memcmp(first.surfels, second.surfels, first.count * sizeof(surfel)) &&
+          !memcmp(first.surfels, third.surfels, first.count * sizeof(surfel)));
+    free(first.surfels);
+    free(second.surfels);
+    free(third.surfels);
+    al_runtime_destroy(runtime);
+    free(t.corners);
+}
+
+/* --- light --- */
+
+/* A floor at y = 0, and above its half x > 0 a square that hides it from a lamp at y = 1. */
+static triangles make_floor(void)
+{
+    triangles t = {0};
+    add_square(&t, (float[3]){-1, 0, -1}, (float[3]){0, 0, 2}, (float[3]){2, 0, 0}, 1);
+    add_square(&t, (float[3]){0, 0.5f, -1}, (float[3]){0, 0, 2}, (float[3]){1, 0, 0}, 1);
+    return t;
+}
+
+/* How far from the closed form, relative to it, the light is: a lamp at (0, 1, 0), fog of c + 1 tenths per metre in
+ * channel c, albedo 1: L = I cos / (pi d^2) exp(-sigma d) above, nothing below and in the shadow, whose rim is as wide
+ * as a few texels of the shadow map. */
+static void test_point(void)
+{
+    const double intensity = 7;
+    const lamp lamps[] = {{AL_LIGHT_POINT, {0, 1, 0}, 7}};
+    triangles t = make_floor();
+    al_runtime *runtime = open_scene(&t, lamps, 1, 0.1f);
+    al_view view = front_view();
+    cloud c = draw_cloud(runtime, &view, &shown);
+    int lit = 0, dark = 0;
+    double worst = 0;
+    for (uint32_t i = 0; i < c.count; i++) {
+        const surfel *s = &c.surfels[i];
+        bool floor = s->place[1] < 0.25f, hidden = floor && s->place[0] > 0;
+        double h = 1 - s->place[1], d = sqrt(s->place[0] * s->place[0] + h * h + s->place[2] * s->place[2]);
+        CHECK_NEAR(s->facing[1], 1, 1e-6);
+        CHECK(s->roughness == 1 && s->metallic == 0 && s->back[0] == 0 && s->back[1] == 0 && s->back[2] == 0);
+        if (floor && fabsf(s->place[0]) < 0.03f) continue;
+        (hidden ? dark++ : lit++);
+        for (int k = 0; k < 3; k++) {
+            double wanted = intensity * h / (AL_PI * d * d * d) * exp(-0.1 * (k + 1) * d);
+            if (hidden)
+                CHECK(s->front[k] == 0);
+            else
+                worst = fmax(worst, fabs(s->front[k] / wanted - 1));
+        }
+    }
+    printf("point lamp: %d lit surfels, %d in the shadow, %.1e from the closed form\n", lit, dark, worst);
+    CHECK(lit > 100 && dark > 100 && worst < 1e-5); /* some 20 roundings of floats */
+    free(c.surfels);
+    al_runtime_destroy(runtime);
+    free(t.corners);
+}
+
+/* Directional light from below on backs, a metal, emission from one side and from both, a mirrored instance. */
+static void test_sides(void)
+{
+    const float down[3] = {0, -0.6f, 0.8f}, up[3] = {0, 1, 0};
+    lamp lamps[] = {{AL_LIGHT_DIRECTIONAL, {0}, 3}, {AL_LIGHT_DIRECTIONAL, {0}, 2}};
+    memcpy(lamps[0].vector, down, sizeof down);
+    memcpy(lamps[1].vector, up, sizeof up);
+    triangles t = {0};
+    add_square(&t, (float[3]){-1, 0, -1}, (float[3]){0, 0, 2}, (float[3]){2, 0, 0}, 1);
+    al_runtime *runtime = open_scene(&t, lamps, 2, 0);
+    al_scene *scene = al_runtime_scene(runtime);
+    al_material *m = &scene->materials[1];
+    al_view view = front_view();
+    m->base_color[0] = 0.5f;
+    m->base_color[1] = 0.25f;
+    m->metallic = 0.5f;
+    m->emission_w_m2_sr[1] = 10;
+    for (int form = 0; form < 3; form++) {
+        m->double_sided = form != 1;
+        if (form == 2) scene->instances[0].world[0] = -1;
+        cloud c = draw_cloud(runtime, &view, &shown);
+        CHECK(c.count > 10);
+        for (uint32_t i = 0; i < c.count; i++) {
+            const surfel *s = &c.surfels[i];
+            CHECK_NEAR(s->facing[1], 1, 1e-6);
+            CHECK_NEAR(s->front[0], 0.25 / AL_PI * 3 * 0.6, 1e-6);
+            CHECK_NEAR(s->back[0], 0.25 / AL_PI * 2, 1e-6);
+            CHECK_NEAR(s->front[1], 0.125 / AL_PI * 3 * 0.6 + 10, 1e-5);
+            CHECK_NEAR(s->back[1], 0.125 / AL_PI * 2 + (form == 1 ? 0 : 10), 1e-5);
+            CHECK(s->metallic == 0.5f);
+        }
+        free(c.surfels);
+    }
+    al_runtime_destroy(runtime);
+    free(t.corners);
+}
+
+/* A texture: squares of albedo 0 and 0.8, one texel each, seen from where a surfel covers many: the mean, and each
+ * between the extremes. */
+static void test_texture(void)
+{
+    enum { TEXELS = 256 };
+    static uint8_t pixels[TEXELS * TEXELS * 4];
+    static float uvs[12];
+    for (int i = 0; i < TEXELS * TEXELS * 4; i++) pixels[i] = (i / 4 + i / 4 / TEXELS) % 2 ? 204 : 0;
+    al_texture texture = {.name = "squares", .width = TEXELS, .height = TEXELS, .pixels = pixels};
+    triangles t = {0};
+    add_square(&t, (float[3]){-1, 0, -1}, (float[3]){0, 0, 2}, (float[3]){2, 0, 0}, 1);
+    for (int i = 0; i < 6; i++) {
+        uvs[2 * i] = (t.corners[i / 3][i % 3][0] + 1) / 2;
+        uvs[2 * i + 1] = (t.corners[i / 3][i % 3][2] + 1) / 2;
+    }
+    sphere_scene s;
+    al_runtime *runtime = NULL;
+    al_error error = {0};
+    sphere_scene_begin(&s);
+    s.scene.baked = (al_baked_light){"", ""};
+    s.scene.textures = &texture;
+    s.scene.texture_count = 1;
+    use_triangles(&s, &t);
+    s.meshes[1].uv0 = uvs;
+    s.materials[1].base_color_texture = 0;
+    sphere_scene_add_floor(&s, 1, (float[3]){0, 0, 0});
+    sphere_scene_add_light(&s, AL_LIGHT_DIRECTIONAL, (float[3]){0, -1, 0}, (float)AL_PI);
+    CHECK(sphere_scene_write(folder, &s));
+    sphere_scene_end(&s);
+    CHECK(al_runtime_create(NULL, &runtime, &error) == AL_OK && stage_load(runtime, folder));
+    al_view view = front_view();
+    cloud c = draw_cloud(runtime, &view, &shown); /* of 9 mm and more: a texel is 8 mm */
+    double sum = 0;
+    for (uint32_t i = 0; i < c.count; i++) {
+        sum += c.surfels[i].front[0] / c.count;
+        CHECK(c.surfels[i].front[0] > 0.3 && c.surfels[i].front[0] < 0.5);
+    }
+    CHECK_NEAR(sum, 0.4, 0.01);
+    free(c.surfels);
+    al_runtime_destroy(runtime);
+    free(t.corners);
+}
+
+/* --- room and extremes --- */
+
+/* The camera comes closer, in steps too small for a cut: a frame shows no more than the buffer holds, and a few frames
+ * later all. After a cut that is so at once. Then more than the limit: surfels get larger, and small again without it.
+ * Areas stay right. */
+static void test_room(void)
+{
+    triangles t = {0};
+    add_box(&t, (float[3]){0, 0, 0}, (float[3]){1, 1, 1}, 4);
+    al_runtime *runtime = open_scene(&t, NULL, 0, 0);
+    al_view far = stage_look(800, 600, (float[3]){0, 0, 90}, (float[3]){0, 0, 0}, 0.7f),
+            near = stage_look(800, 600, (float[3]){0, 0, 3}, (float[3]){0, 0, 0}, 0.7f);
+    free(draw_cloud(runtime, &far, &(al_settings){.pass = AL_PASS_SURFELS}).surfels);
+    uint64_t room = runtime->surfels.cloud.size / AL_SURFEL_SIZE, full = 0;
+    cloud c = {0};
+    for (float away = 90; away > 3; away = 1 + (away - 1) * 0.6f) {
+        al_view view = stage_look(800, 600, (float[3]){0, 0, away}, (float[3]){0, 0, 0}, 0.7f);
+        c = draw_cloud(runtime, &view, &(al_settings){.pass = AL_PASS_SURFELS});
+        full += c.count == runtime->surfels.cloud.size / AL_SURFEL_SIZE;
+        free(c.surfels);
+    }
+    CHECK(full > 2);
+    c.surfels = NULL;
+    for (int frame = 0; frame < AL_SURFEL_RING + 1; frame++) {
+        free(c.surfels);
+        glFinish();
+        c = draw_cloud(runtime, &near, &(al_settings){.pass = AL_PASS_SURFELS});
+    }
+    double expected = al_surfels_expected(al_runtime_scene(runtime), &runtime->surfels.rule);
+    CHECK(c.count > 10 * room);
+    CHECK_NEAR(c.count, expected, 4 * sqrt(expected));
+    CHECK_NEAR(c.area, 24, 4 * sqrt(c.squares));
+    free(c.surfels);
+    for (int limited = 1; limited >= 0; limited--) {
+        al_settings settings = {.pass = AL_PASS_SURFELS, .surfel_limit = limited ? 2000 : 0};
+        for (int frame = 0; frame < AL_SURFEL_RING + 2; frame++) {
+            glFinish();
+            c = draw_cloud(runtime, &near, &settings);
+            free(c.surfels);
+        }
+        CHECK(limited ? c.count <= 2000 && c.count > 1500 : c.count > 10 * room);
+        CHECK((runtime->surfels.coarseness > 1) == limited);
+        CHECK_NEAR(c.area, 24, 4 * sqrt(c.squares));
+    }
+    al_runtime_destroy(runtime);
+    runtime = open_scene(&t, NULL, 0, 0);
+    free(draw_cloud(runtime, &far, &(al_settings){.pass = AL_PASS_SURFELS}).surfels);
+    c = draw_cloud(runtime, &near, &(al_settings){.pass = AL_PASS_SURFELS}); /* a cut */
+    CHECK_NEAR(c.count, expected, 4 * sqrt(expected));
+    free(c.surfels);
+    al_runtime_destroy(runtime);
+    runtime = open_scene(&t, NULL, 0, 0); /* the limit from the first frame on */
+    c = draw_cloud(runtime, &near, &(al_settings){.pass = AL_PASS_SURFELS, .surfel_limit = 2000});
+    CHECK(c.count <= 2000 && c.count > 1500);
+    CHECK_NEAR(c.area, 24, 4 * sqrt(c.squares));
+    free(c.surfels);
+    al_runtime_destroy(runtime);
+    free(t.corners);
+}
+
+/* An eye on a wall of two triangles, and 1 mm above it, its near plane at 1 cm: not many more surfels than from 1 m, none
+ * larger than a hundredth of the wall within 10 cm, and all of the area. */
+static void test_wall(void)
+{
+    triangles t = {0};
+    add_square(&t, (float[3]){-1, 0, -1}, (float[3]){0, 0, 2}, (float[3]){2, 0, 0}, 1);
+    al_runtime *runtime = open_scene(&t, NULL, 0, 0);
+    static const float heights[] = {1, 1e-3f, 0};
+    uint32_t before = 0;
+    for (int i = 0; i < 3; i++) {
+        const float eye[3] = {0.3f, heights[i], 0.2f};
+        al_view view = stage_look(800, 600, eye, (float[3]){0, heights[i] / 2, 0}, 0.7f);
+        cloud c = draw_cloud(runtime, &view, &(al_settings){.pass = AL_PASS_SURFELS});
+        double expected = al_surfels_expected(al_runtime_scene(runtime), &runtime->surfels.rule);
+        printf("eye at %g m: %u surfels of %.0f expected\n", (double)heights[i], c.count, expected);
+        CHECK_NEAR(c.area, 4, 4 * sqrt(c.squares));
+        CHECK(c.count > before && c.count < expected + 4 * sqrt(expected));
+        if (i) CHECK(c.count < 20 * before);
+        if (!i) before = c.count;
+        for (uint32_t k = 0; k < c.count && i; k++) {
+            double x = c.surfels[k].place[0] - eye[0], z = c.surfels[k].place[2] - eye[2];
+            if (sqrt(x * x + z * z) < 0.1) CHECK(c.surfels[k].area < 1e-4);
+        }
+        free(c.surfels);
+    }
+    al_runtime_destroy(runtime);
+    free(t.corners);
+}
+
+/* Triangles without area are no surfels, and the others are what they are without them. */
+static void test_flat(void)
+{
+    triangles t = {0};
+    const float a[3] = {0, 0, 0}, b[3] = {1, 0, 0}, c[3] = {2, 0, 0}, d[3] = {0, 1e-25f, 0};
+    add_triangle(&t, a, a, a);
+    add_triangle(&t, a, b, b);
+    add_triangle(&t, a, b, c);
+    add_triangle(&t, a, b, d);
+    add_square(&t, (float[3]){-1, 0, -1}, (float[3]){0, 0, 2}, (float[3]){2, 0, 0}, 1);
+    al_runtime *runtime = open_scene(&t, NULL, 0, 0);
+    al_view view = front_view();
+    cloud kept = draw_cloud(runtime, &view, &shown);
+    CHECK(kept.count > 100);
+    CHECK_NEAR(kept.area, 4, 4 * sqrt(kept.squares));
+    free(kept.surfels);
+    al_runtime_destroy(runtime);
+    t.count = 4;
+    runtime = open_scene(&t, NULL, 0, 0);
+    kept = draw_cloud(runtime, &view, &shown);
+    CHECK(kept.count == 0);
+    free(kept.surfels);
+    al_runtime_destroy(runtime);
+    free(t.corners);
+}
+
+/* A scene of 1e-4 m and one of 1e4 m, each as seen from as many times its size: the same cloud but for rounding. */
+static void test_scales(void)
+{
+    for (int exponent = -4; exponent <= 4; exponent += 8) {
+        float size = powf(10, (float)exponent);
+        triangles t = {0};
+        add_box(&t, (float[3]){0, 0, 0}, (float[3]){size, size, size}, 2);
+        al_runtime *runtime = open_scene(&t, NULL, 0, 0);
+        al_view view = stage_look(WIDTH, HEIGHT, (float[3]){0, 2 * size, 3 * size}, (float[3]){0, 0, 0}, 0.7f);
+        view.projection[10] = -1; /* from 1e-3 of the size to infinity */
+        view.projection[14] = -2e-3f * size;
+        cloud c = draw_cloud(runtime, &view, &shown);
+        double area = 24 * (double)size * size,
+               expected = al_surfels_expected(al_runtime_scene(runtime), &runtime->surfels.rule);
+        CHECK_NEAR(expected, 4154, 4); /* a thousandth: float matrices */
+        CHECK_NEAR(c.count, expected, 4 * sqrt(expected));
+        CHECK_NEAR(c.area, area, 4 * sqrt(c.squares));
+        free(c.surfels);
+        al_runtime_destroy(runtime);
+        free(t.corners);
+    }
+}
+
+static bool find_row(al_runtime *runtime, al_plan_row *row)
+{
+    uint32_t count;
+    const al_plan_row *rows = al_runtime_plan(runtime, &count);
+    for (uint32_t i = 0; i < count; i++)
+        if (!strcmp(rows[i].step, "surfels")) return *row = rows[i], true;
+    return false;
+}
+
+/* Without opaque meshes, fog or any light there is no pass, no row that asks for one and not a byte; switched off, no
+ * pass. */
+static void test_plan(void)
+{
+    const lamp lamps[] = {{AL_LIGHT_POINT, {0, 2, 3}, 5}};
+    triangles t = make_floor(), none = {0};
+    al_view view = front_view();
+    const struct {
+        const triangles *t;
+        int lamps;
+        float sigma_t;
+        bool needed;
+    } cases[] = {{&t, 1, 0.1f, true}, {&t, 0, 0.1f, false}, {&t, 1, 0, false}, {&none, 1, 0.1f, false},
+                 {&none, 0, 0, false}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        al_plan_row row = {0};
+        al_runtime *runtime = open_scene(cases[i].t, lamps, cases[i].lamps, cases[i].sigma_t);
+        for (int off = 1; off >= 0; off--) {
+            al_settings settings = {.surface_scattering_off = off};
+            float *pixels = stage_draw(runtime, &view, &settings, 0);
+            CHECK(pixels && stage_bad(pixels, WIDTH * HEIGHT * 3) == 0);
+            free(pixels);
+            CHECK(find_row(runtime, &row) && row.needed == cases[i].needed);
+            CHECK((row.bytes > 0) == (cases[i].needed && !off));
+            CHECK((al_runtime_surfels(runtime) > 0) == (cases[i].needed && !off));
+        }
+        if (cases[i].t == &none) { /* shown all the same: black */
+            float *pixels = stage_draw(runtime, &view, &shown, 0);
+            CHECK(pixels && stage_sum(pixels, WIDTH * HEIGHT * 3) == 0 && al_runtime_surfels(runtime) == 0);
+            free(pixels);
+        }
+        al_runtime_destroy(runtime);
+    }
+    free(t.corners);
+}
+
 int main(void)
 {
     if (!stage_open()) return test_skip("no OpenGL 4.5 context");
     folder = stage_folder();
     if (!folder) return test_skip("no temporary folder");
+    test_numbers();
+    test_places();
+    test_same();
+    test_point();
+    test_sides();
+    test_texture();
+    test_room();
+    test_wall();
+    test_flat();
+    test_scales();
+    test_plan();
     test_shapes();
     return test_end();
 }
