@@ -10,9 +10,9 @@
 /* What the parser writes to before it becomes settings. */
 typedef struct raw_options {
     const char *pass, *view_leg, *scattered;
-    int samples, sh_order, intervals, fog_steps;
-    double march_step;
-    bool no_surface, no_background, no_clip, no_normalise, no_shadows, no_lod, no_fog;
+    int samples, sh_order, intervals, fog_steps, surfel_limit;
+    double march_step, surfel_size;
+    bool no_surface, no_background, no_clip, no_normalise, no_shadows, no_lod, no_fog, no_surface_scattering;
 } raw_options;
 
 static int refuse(const al_program *program, const char *format, ...) AL_PRINTF(2, 3);
@@ -85,6 +85,9 @@ static int apply(const al_program *program, const raw_options *raw, al_play_opti
     s->detail_off = raw->no_lod;
     s->fog_off = raw->no_fog;
     s->fog_steps = (uint32_t)raw->fog_steps;
+    s->surface_scattering_off = raw->no_surface_scattering;
+    s->surfel_pixels = (float)raw->surfel_size;
+    s->surfel_limit = (uint32_t)raw->surfel_limit;
     options->headless |= options->plan;
     int code = set_pass(program, raw->pass, &s->pass);
     if (code < 0) code = set_view_leg(program, raw->view_leg, &s->view_leg);
@@ -136,6 +139,12 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
          "light in lightmaps and probes that fog has scattered: on or off (on)", 0, 0},
         {"--fog-steps", "N", AL_OPTION_INT, &raw.fog_steps,
          "cells along a ray through fog, for each light (32)", 1, 1024},
+        {"--no-surface-scattering", NULL, AL_OPTION_FLAG, &raw.no_surface_scattering,
+         "no light from surfaces in the fog", 0, 0},
+        {"--surfel-size", "PIXELS", AL_OPTION_REAL, &raw.surfel_size,
+         "radius of the surfels that send light into the fog (4.6)", 0.1, 1000},
+        {"--surfel-limit", "N", AL_OPTION_INT, &raw.surfel_limit,
+         "the most surfels; they are larger where there would be more (1048576)", 64, 4194304},
     };
     program->options = table;
     program->option_count = sizeof table / sizeof table[0];

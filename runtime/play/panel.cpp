@@ -143,6 +143,9 @@ static void show_quality(al_panel_state *state)
     if (ImGui::SliderFloat("march step, voxels", &step, 0.05f, 4)) s->march_voxels = step;
     int cells = (int)(s->fog_steps ? s->fog_steps : 32);
     if (ImGui::SliderInt("fog, cells a ray", &cells, 1, 256)) s->fog_steps = (uint32_t)cells;
+    float surfel = s->surfel_pixels > 0 ? s->surfel_pixels : 4.6f;
+    if (ImGui::SliderFloat("surfels, pixels", &surfel, 1, 50, "%.1f", ImGuiSliderFlags_Logarithmic))
+        s->surfel_pixels = surfel;
     const struct {
         const char *label;
         bool *off;
@@ -153,6 +156,7 @@ static void show_quality(al_panel_state *state)
                  {"level of detail", &s->detail_off},
                  {"background", &s->background_off},
                  {"fog", &s->fog_off},
+                 {"light from surfaces in fog", &s->surface_scattering_off},
                  {"scattered light in lightmaps", &s->scattered_off}};
     for (const auto &part : parts) {
         bool on = !*part.off;
@@ -172,6 +176,7 @@ static void show_times(const al_panel_state *state)
     ImGui::Text("%-20s %8.3f ms", "all passes", sum);
     ImGui::Text("%-20s %8.1f MiB", "memory", (double)al_runtime_memory(state->runtime) / 1048576);
     ImGui::Text("%-20s %8llu", "samples drawn", (unsigned long long)al_runtime_samples(state->runtime));
+    ImGui::Text("%-20s %8llu", "surfels", (unsigned long long)al_runtime_surfels(state->runtime));
 }
 
 static void show_plan(al_runtime *runtime)

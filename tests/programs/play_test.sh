@@ -47,6 +47,8 @@ run 0 play --pass translucent --out "$work/b.exr"
 differs "$work/a.exr" "$work/b.exr"
 run 0 play --pass direct-scattering --no-fog --scattered off --fog-steps 8 --out "$work/b.exr"
 differs "$work/a.exr" "$work/b.exr"
+run 0 play --pass surfels --surfel-size 2 --surfel-limit 500 --no-surface-scattering --out "$work/b.exr"
+differs "$work/a.exr" "$work/b.exr"
 run 0 play --no-surface --out "$work/b.exr"
 differs "$work/a.exr" "$work/b.exr"
 run 0 play --exposure 3 --out "$work/b.exr" --out "$work/b.png"
@@ -89,6 +91,8 @@ fails 2 "--pass takes one of composite" play --pass nonsense
 fails 2 "--view-leg takes marched or sh" play --view-leg nonsense
 fails 2 "--scattered takes on or off" play --scattered maybe
 fails 2 "--fog-steps" play --fog-steps 0
+fails 2 "--surfel-size" play --surfel-size 0
+fails 2 "--surfel-limit" play --surfel-limit 1
 fails 2 "b.jpg" play --out "$work/b.jpg"
 fails 2 "--size" play --size 0x10
 fails 2 "--size" play --size 8193x10
