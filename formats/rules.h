@@ -59,6 +59,14 @@
     RULE(AL_RULE_SCENE_GEOMETRY_PADDING, 316, "bytes between the arrays of a GEOM chunk are zero") \
     RULE(AL_RULE_SCENE_LIGHTING, 317, "only opaque instances are lit by a lightmap or probes") \
     RULE(AL_RULE_SCENE_FOG, 318, "a fog has its lower bounds below the upper ones, or none and zeros") \
+    RULE(AL_RULE_SCENE_NODE_ORDER, 319, "a node's parent stands before it") \
+    RULE(AL_RULE_SCENE_CHANNEL, 320, "channels ascend by node and property, with the numbers that these have") \
+    RULE(AL_RULE_SCENE_KEYS, 321, "KEYS has the size its channels need") \
+    RULE(AL_RULE_SCENE_KEY_TIMES, 322, "the times of a channel's keys rise, from 0 on") \
+    RULE(AL_RULE_SCENE_BINDING_ORDER, 323, "bindings ascend by kind and what they bind") \
+    RULE(AL_RULE_SCENE_DEFORM, 324, "deforms ascend; their instances are opaque, without lightmap, alone with their mesh") \
+    RULE(AL_RULE_SCENE_SHAPE, 325, "there is one SHAP chunk for each deform, with the size it needs and zeros between") \
+    RULE(AL_RULE_SCENE_JOINTS, 326, "a vertex names joints that are there, its weights are from 0 and sum to 1 within 1 %") \
     RULE(AL_RULE_IMPULSE_RANGE, 401, "the tabulated distances rise") \
     RULE(AL_RULE_IMPULSE_COUNT, 402, "there is one TABL chunk for each table") \
     RULE(AL_RULE_IMPULSE_SIZE, 403, "a TABL chunk has the size its counts need") \

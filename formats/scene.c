@@ -10,6 +10,7 @@
 #include "airlight/formulas.h"
 #include "kinds.h"
 #include "layout.h"
+#include "motion_chunks.h"
 #include "record.h"
 
 /* --- memory: everything a scene owns hangs on one list --- */
@@ -48,7 +49,7 @@ void al_scene_free(al_scene *scene)
 
 /* --- records --- */
 
-enum { EDGE_LIMIT = 16384 }; /* pixels */
+enum { EDGE_LIMIT = 16384 /* pixels */, TARGET_LIMIT = 65536 };
 
 #define COUNT_LIMIT (UINT32_MAX / 2)
 #define G_LIMIT 0.99999994 /* the float before 1 */
@@ -174,6 +175,37 @@ static const al_field camera_fields[] = {
     F32(al_camera, fov_y_radians, 1, 1e-6, AL_PI - 1e-6),
 };
 
+static const al_field node_fields[] = {
+    TEXT(al_motion_node, name),          INDEX(al_motion_node, parent),     FREE(al_motion_node, matrix, 16),
+    FREE(al_motion_node, translation, 3), FREE(al_motion_node, rotation, 4), FREE(al_motion_node, scale, 3),
+};
+
+static const al_field channel_fields[] = {
+    INDEX(al_motion_channel, node),
+    U32(al_motion_channel, path, AL_MOTION_TRANSLATION, AL_MOTION_WEIGHTS),
+    U32(al_motion_channel, interpolation, AL_MOTION_STEP, AL_MOTION_CUBIC),
+    U32(al_motion_channel, key_count, 1, COUNT_LIMIT),
+    U32(al_motion_channel, width, 1, TARGET_LIMIT),
+};
+
+static const al_field binding_fields[] = {
+    U32(al_motion_binding, kind, AL_MOTION_INSTANCE, AL_MOTION_CAMERA),
+    INDEX(al_motion_binding, index),
+    INDEX(al_motion_binding, node),
+    FREE(al_motion_binding, local, 16),
+};
+
+static const al_field joint_fields[] = {
+    INDEX(al_motion_joint, node),
+    FREE(al_motion_joint, inverse_bind, 16),
+};
+
+static const al_field deform_fields[] = {
+    INDEX(al_motion_deform, instance),       INDEX(al_motion_deform, node),
+    INDEX(al_motion_deform, first_joint),    INDEX(al_motion_deform, joint_count),
+    U32(al_motion_deform, target_count, 0, TARGET_LIMIT), BOOL(al_motion_deform, has_normals),
+};
+
 #define RECORD(type, record, fields) \
     { \
         type, sizeof(record), fields, COUNT_OF(fields) \
@@ -192,12 +224,19 @@ static const al_record camera_record = RECORD("CAMR", al_camera, camera_fields);
 static const al_record lighting_record = RECORD("INLI", al_instance, lighting_fields);
 static const al_record fog_record = RECORD("FOGS", al_fog, fog_fields);
 static const al_record baked_record = RECORD("BAKD", al_baked_light, baked_fields);
+static const al_record node_record = RECORD("NODE", al_motion_node, node_fields);
+static const al_record channel_record = RECORD("CHAN", al_motion_channel, channel_fields);
+static const al_record binding_record = RECORD("BIND", al_motion_binding, binding_fields);
+static const al_record joint_record = RECORD("JONT", al_motion_joint, joint_fields);
+static const al_record deform_record = RECORD("DEFM", al_motion_deform, deform_fields);
 
 static const al_chunk_rules chunks[] = {
     {"TEXT", 1, 1, 1}, {"SCEN", 1, 1, 1}, {"TEXR", 1, 1, 1}, {"MATL", 1, 1, 1}, {"MESH", 1, 1, 1},
     {"SUBM", 1, 1, 1}, {"INST", 1, 1, 1}, {"MEDI", 1, 1, 1}, {"TRAN", 1, 1, 1}, {"LITE", 1, 1, 1},
     {"CAMR", 1, 1, 1}, {"GEOM", 1, 0, 0}, {"PIXL", 1, 0, 0}, {"ENVM", 1, 0, 1}, {"INLI", 1, 0, 1},
     {"FOGS", 1, 0, 1}, {"BAKD", 1, 0, 1}, {"PROV", 1, 0, 1},
+    {"NODE", 1, 0, 1}, {"CHAN", 1, 0, 1}, {"BIND", 1, 0, 1}, {"JONT", 1, 0, 1}, {"DEFM", 1, 0, 1},
+    {"KEYS", 1, 0, 1}, {"SHAP", 1, 0, 0},
 };
 
 /* --- the arrays of a mesh, each at a multiple of 64 in its GEOM chunk --- */
@@ -632,6 +671,19 @@ static void check_lights_and_cameras(reader *r)
     if (!s->camera_count) al_report_finding(r->report, AL_RULE_SCENE_CAMERAS, "there is no camera");
 }
 
+/* Not checked where a record is wrong: what follows relies on them. */
+static void read_motion(reader *r)
+{
+    al_motion *m = &r->scene->motion;
+    uint64_t before = r->report->count;
+    m->nodes = read_optional_records(r, &node_record, &m->node_count);
+    m->channels = read_optional_records(r, &channel_record, &m->channel_count);
+    m->bindings = read_optional_records(r, &binding_record, &m->binding_count);
+    m->joints = read_optional_records(r, &joint_record, &m->joint_count);
+    m->deforms = read_optional_records(r, &deform_record, &m->deform_count);
+    if (r->report->count == before) al_motion_check(r->file, r->scene, r->report);
+}
+
 /* Reads everything and checks it; what goes on after a finding only does so where it is safe. */
 static void read_scene(const al_file *file, al_scene *scene, al_report *report)
 {
@@ -660,6 +712,7 @@ static void read_scene(const al_file *file, al_scene *scene, al_report *report)
     check_asset(&r, scene->baked.lightmap, "lightmap", 0);
     check_asset(&r, scene->baked.probes, "probes", 0);
     check_lights_and_cameras(&r);
+    read_motion(&r);
 }
 
 al_status al_scene_read(const al_file *file, al_scene *scene, al_error *error)
@@ -812,10 +865,16 @@ al_status al_scene_write(const char *path, const al_scene *scene, const char *pr
         {&lighting_record, scene->instances, is_lit_by_bakes(scene) ? scene->instance_count : 0, NULL},
         {&fog_record, scene->fogs, scene->fog_count, NULL},
         {&baked_record, &baked, *baked.lightmap || *baked.probes, NULL},
+        {&node_record, scene->motion.nodes, scene->motion.node_count, NULL},
+        {&channel_record, scene->motion.channels, scene->motion.channel_count, NULL},
+        {&binding_record, scene->motion.bindings, scene->motion.binding_count, NULL},
+        {&joint_record, scene->motion.joints, scene->motion.joint_count, NULL},
+        {&deform_record, scene->motion.deforms, scene->motion.deform_count, NULL},
     };
     status = al_writer_open(path, AL_KIND_SCENE, &writer, error);
     if (status == AL_OK) status = add_records(writer, path, all, COUNT_OF(all), error);
     if (status == AL_OK) status = add_arrays(writer, path, scene, heads, error);
+    if (status == AL_OK) status = al_motion_add(writer, path, scene, error);
     if (status == AL_OK && provenance_json)
         status = al_writer_add(writer, "PROV", 1, AL_CHUNK_OPTIONAL, provenance_json, strlen(provenance_json),
                                error);

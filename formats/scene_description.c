@@ -173,11 +173,15 @@ typedef struct scene_fields {
 } scene_fields;
 
 typedef struct mesh_fields {
-    char *name, *file, *node_name, *material, *lighting;
+    char *name, *file, *node_name, *material, *lighting, *animation;
     double unit_m;
     bool hidden, import_lights, import_cameras;
-    node shape, transform;
+    node shape, transform, motion;
 } mesh_fields;
+
+typedef struct key_fields {
+    double time_s, translate_m[3], rotate_degrees[3], scale[3];
+} key_fields;
 
 typedef struct material_fields {
     char *name;
@@ -188,11 +192,13 @@ typedef struct material_fields {
 typedef struct light_fields {
     char *name, *type;
     double direction[3], irradiance_w_m2[3], position_m[3], intensity_w_sr[3];
+    node motion;
 } light_fields;
 
 typedef struct camera_fields {
     char *name;
     double position_m[3], target_m[3], up[3], fov_y_degrees;
+    node motion;
 } camera_fields;
 
 typedef struct medium_fields {
@@ -278,6 +284,7 @@ typedef struct play_fields {
 
 #define FAR_M 1e9   /* coordinates and lengths */
 #define BRIGHT 1e12 /* radiometric values */
+#define LONG_S 1e6  /* eleven days */
 #define TINY 1e-9   /* smallest length, unit and scale */
 
 static const al_scene_key keys[] = {
@@ -308,6 +315,8 @@ static const al_scene_key keys[] = {
     FLAG(mesh, hidden),
     FLAG(mesh, import_lights),
     FLAG(mesh, import_cameras),
+    TEXT(mesh, animation),
+    LIST(mesh, motion, "key"),
 
     CHOICE(shape, type, true, "sphere|box|plane|torus"),
     NUMBER(shape, radius_m, TINY, FAR_M),
@@ -325,6 +334,11 @@ static const al_scene_key keys[] = {
     TRIPLE(transform, scale, -FAR_M, FAR_M),
     {"transform", "matrix", AL_SCENE_MATRIX, false, -FAR_M, FAR_M, "", offsetof(transform_fields, matrix)},
 
+    {"key", "time_s", AL_SCENE_NUMBER, true, 0, LONG_S, "", offsetof(key_fields, time_s)},
+    VECTOR(key, translate_m, false),
+    {"key", "rotate_degrees", AL_SCENE_VECTOR, false, -36000, 36000, "", offsetof(key_fields, rotate_degrees)},
+    TRIPLE(key, scale, 0, FAR_M),
+
     NAME(material, name),
     TRIPLE(material, base_color, 0, 1),
     NUMBER(material, metallic, 0, 1),
@@ -339,6 +353,7 @@ static const al_scene_key keys[] = {
     TRIPLE(light, irradiance_w_m2, 0, BRIGHT),
     VECTOR(light, position_m, false),
     TRIPLE(light, intensity_w_sr, 0, BRIGHT),
+    LIST(light, motion, "key"),
 
     TEXT(environment, file),
     TRIPLE(environment, radiance_w_m2_sr, 0, BRIGHT),
@@ -350,6 +365,7 @@ static const al_scene_key keys[] = {
     VECTOR(camera, target_m, true),
     VECTOR(camera, up, false),
     NUMBER(camera, fov_y_degrees, 0.01, 179),
+    LIST(camera, motion, "key"),
 
     NAME(medium, name),
     TRIPLE(medium, sigma_s_per_m, 0, FAR_M),
@@ -720,6 +736,36 @@ static al_status read_transform(const node *place, double m[16], al_error *error
     return status;
 }
 
+/* --- motion --- */
+
+static al_status read_motion(const node *place, al_scene_description *out, al_motion_description *motion,
+                             al_error *error)
+{
+    size_t count = list_size(place);
+    node element = {0};
+    al_status status = AL_OK;
+    *motion = (al_motion_description){0};
+    if (!count) return AL_OK;
+    motion->keys = allocate(out, count, sizeof *motion->keys);
+    if (!motion->keys) return out_of_memory(place->from, error);
+    motion->line = line_of(place->from, place->at);
+    while (!status && next_element(place, &element)) {
+        key_fields f = {.scale = {1, 1, 1}};
+        al_motion_key_description *key = &motion->keys[motion->count];
+        status = read_object(&element, "key", &f, error);
+        key->time_s = f.time_s;
+        memcpy(key->translate_m, f.translate_m, sizeof f.translate_m);
+        memcpy(key->rotate_degrees, f.rotate_degrees, sizeof f.rotate_degrees);
+        memcpy(key->scale, f.scale, sizeof f.scale);
+        /* Times are kept as floats. */
+        if (!status && motion->count && !((float)f.time_s > (float)key[-1].time_s))
+            status = fail_at(&element, error, "time_s %g does not follow %g; times that rise are right", f.time_s,
+                             key[-1].time_s);
+        motion->count++;
+    }
+    return status;
+}
+
 /* --- the parts of a scene --- */
 
 static al_status read_shape(const node *place, al_shape_description *out, al_error *error)
@@ -776,7 +822,7 @@ static al_status read_mesh(const node *place, al_scene_description *out, al_mesh
         return fail_at(place, error, "has %s; give either \"file\" or \"shape\"",
                        f.file ? "both \"file\" and \"shape\"" : "neither \"file\" nor \"shape\"");
     if (f.shape.value) {
-        status = allow_only(place, "name|shape|transform|material|lighting|hidden", "shape", error);
+        status = allow_only(place, "name|shape|transform|material|lighting|hidden|motion", "shape", error);
         if (!status) status = read_shape(&f.shape, &mesh->shape, error);
         if (status) return status;
         f.unit_m = 1;
@@ -791,12 +837,14 @@ static al_status read_mesh(const node *place, al_scene_description *out, al_mesh
                      : strcmp(f.lighting, "lightmap") == 0 ? AL_LIGHTING_LIGHTMAP
                      : strcmp(f.lighting, "probes") == 0   ? AL_LIGHTING_PROBES
                                                            : AL_LIGHTING_DYNAMIC;
+    mesh->animation = copy_text(out, f.animation ? f.animation : "");
     mesh->hidden = f.hidden;
     mesh->import_lights = f.import_lights && f.file;
     mesh->import_cameras = f.import_cameras && f.file;
-    if (!mesh->name || !mesh->file || !mesh->node || !mesh->material)
+    if (!mesh->name || !mesh->file || !mesh->node || !mesh->material || !mesh->animation)
         return out_of_memory(place->from, error);
-    return read_transform(&f.transform, mesh->transform, error);
+    status = read_motion(&f.motion, out, &mesh->motion, error);
+    return status ? status : read_transform(&f.transform, mesh->transform, error);
 }
 
 static al_status read_material(const node *place, al_scene_description *out, al_material *material,
@@ -826,7 +874,7 @@ static al_status read_light(const node *place, al_scene_description *out, al_lig
     if (status) return status;
     bool directional = strcmp(f.type, "directional") == 0;
     status = allow_only(
-        place, directional ? "name|type|direction|irradiance_w_m2" : "name|type|position_m|intensity_w_sr",
+        place, directional ? "name|type|direction|irradiance_w_m2|motion" : "name|type|position_m|intensity_w_sr|motion",
         f.type, error);
     if (!status) status = need(place, directional ? "direction" : "position_m", f.type, error);
     if (!status) status = need(place, directional ? "irradiance_w_m2" : "intensity_w_sr", f.type, error);
@@ -837,7 +885,8 @@ static al_status read_light(const node *place, al_scene_description *out, al_lig
     to_floats(directional ? f.direction : f.position_m, light->vector);
     to_floats(directional ? f.irradiance_w_m2 : f.intensity_w_sr, light->intensity);
     light->name = text_or(out, f.name, "light", place->index);
-    return light->name ? AL_OK : out_of_memory(place->from, error);
+    if (!light->name) return out_of_memory(place->from, error);
+    return read_motion(&f.motion, out, &out->light_motions[place->index], error);
 }
 
 static al_status read_camera(const node *place, al_scene_description *out, al_camera *camera, al_error *error)
@@ -858,7 +907,8 @@ static al_status read_camera(const node *place, al_scene_description *out, al_ca
     to_floats(f.up, camera->up);
     camera->fov_y_radians = (float)(f.fov_y_degrees * (3.14159265358979323846 / 180));
     camera->name = text_or(out, f.name, "camera", place->index);
-    return camera->name ? AL_OK : out_of_memory(place->from, error);
+    if (!camera->name) return out_of_memory(place->from, error);
+    return read_motion(&f.motion, out, &out->camera_motions[place->index], error);
 }
 
 static al_status read_bounds(const node *place, const density_fields *f, al_density_description *out,
@@ -1230,6 +1280,22 @@ static al_status take_mesh(const node *place, const al_scene_description *out, c
     return AL_OK;
 }
 
+/* Boundaries only turn and move, and take their blockers along. */
+static al_status check_motion(const node *place, const al_scene_description *out,
+                              const al_translucent_description *object, al_error *error)
+{
+    const al_motion_description *motion = &find_mesh(out, object->mesh)->motion;
+    for (uint32_t i = 0; i < motion->count; i++)
+        for (int k = 0; k < 3; k++)
+            if (motion->keys[i].scale[k] != 1)
+                return fail_at(place, error, "its boundary \"%s\" changes its scale; translucent objects only turn and move",
+                               object->mesh);
+    for (uint32_t i = 0; i < object->blocker_count; i++)
+        if (find_mesh(out, object->blockers[i])->motion.count)
+            return fail_at(place, error, "blocker \"%s\" has a motion; it moves with its boundary", object->blockers[i]);
+    return AL_OK;
+}
+
 static al_status check_translucents(const node *list, al_scene_description *out, al_error *error)
 {
     uint32_t *uses = allocate(out, out->mesh_count, sizeof *uses);
@@ -1240,6 +1306,7 @@ static al_status check_translucents(const node *list, al_scene_description *out,
         al_status status = take_mesh(&place, out, object->mesh, uses, error);
         for (uint32_t i = 0; i < object->blocker_count && !status; i++)
             status = take_mesh(&place, out, object->blockers[i], uses, error);
+        if (!status) status = check_motion(&place, out, object, error);
         if (!status && find_medium(out, object->medium) == AL_NO_INDEX)
             status =
                 fail_at(&place, error, "no medium is named \"%s\"; name one of \"media\"", object->medium);
@@ -1276,6 +1343,8 @@ static al_status check_lighting(const node *list, const al_scene_description *ou
         const al_mesh_description *mesh = &out->meshes[place.index];
         if (mesh->lighting == AL_LIGHTING_PROBES && !out->has_probes)
             return fail_at(&place, error, "is lit by probes; the scene needs \"probes\" for that");
+        if (mesh->lighting == AL_LIGHTING_LIGHTMAP && mesh->motion.count)
+            return fail_at(&place, error, "moves and cannot keep a lightmap; \"probes\" or \"dynamic\" is right");
         for (uint32_t i = 0; mesh->lighting != AL_LIGHTING_DYNAMIC && i < out->translucent_count; i++) {
             const al_translucent_description *object = &out->translucents[i];
             bool is_part = strcmp(object->mesh, mesh->name) == 0;
@@ -1319,6 +1388,9 @@ static al_status read_scene(const node *root, al_scene_description *out, al_erro
     if (!status) \
     status = read_list(&f.list, out, sizeof *out->elements, read_##kind##_element, &out->elements, \
                        &out->count, error)
+    out->light_motions = allocate(out, list_size(&f.lights), sizeof *out->light_motions);
+    out->camera_motions = allocate(out, list_size(&f.cameras), sizeof *out->camera_motions);
+    if (!out->light_motions || !out->camera_motions) return out_of_memory(root->from, error);
     READ_LIST(materials, material, materials, material_count);
     READ_LIST(meshes, mesh, meshes, mesh_count);
     READ_LIST(lights, light, lights, light_count);

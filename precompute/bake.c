@@ -189,7 +189,8 @@ static al_status bake_fogs(bake *b, al_error *error)
  */
 static uint64_t scene_key(const bake *b)
 {
-    uint64_t key = XXH64(AIRLIGHT_VERSION, sizeof AIRLIGHT_VERSION, 0);
+    static const uint32_t scene_version = 1; /* raise it when scene.air changes for the same inputs */
+    uint64_t key = XXH64(AIRLIGHT_VERSION, sizeof AIRLIGHT_VERSION, scene_version);
     for (uint32_t i = 0; i < b->import->input_count; i++)
         key = XXH64(&b->import->inputs[i].xxh64, sizeof(uint64_t), key);
     return b->lightmap_key ? XXH64(&b->lightmap_key, sizeof b->lightmap_key, key) : key;

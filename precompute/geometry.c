@@ -124,9 +124,12 @@ al_status al_corners_reserve(al_corners *corners, uint32_t more, al_error *error
     uint32_t wanted = corners->count + more;
     if (wanted <= corners->room) return AL_OK;
     uint32_t room = corners->room * 2 > wanted ? corners->room * 2 : wanted;
-    if (!grow(&corners->positions, room, 3) || !grow(&corners->normals, room, 3) ||
+    uint32_t *marks = realloc(corners->marks, room * sizeof *marks);
+    if (marks) corners->marks = marks;
+    if (!marks || !grow(&corners->positions, room, 3) || !grow(&corners->normals, room, 3) ||
         !grow(&corners->uv0, room, 2) || !grow(&corners->uv1, room, 2))
         return al_fail(error, AL_IO, "out of memory for %u triangle corners", room);
+    memset(marks + corners->room, 0, (room - corners->room) * sizeof *marks);
     corners->room = room;
     return AL_OK;
 }
@@ -137,6 +140,7 @@ void al_corners_free(al_corners *corners)
     free(corners->normals);
     free(corners->uv0);
     free(corners->uv1);
+    free(corners->marks);
     *corners = (al_corners){0};
 }
 
@@ -271,7 +275,7 @@ cleanup:
 
 /* --- into the scene --- */
 
-enum { VERTEX_FLOATS = 10 };
+enum { VERTEX_FLOATS = 11 }; /* the last is the mark's bits */
 
 static void gather_vertex(const al_corners *corners, uint32_t i, float out[VERTEX_FLOATS])
 {
@@ -279,6 +283,7 @@ static void gather_vertex(const al_corners *corners, uint32_t i, float out[VERTE
     memcpy(out + 3, corners->normals + i * (size_t)3, 3 * sizeof *out);
     memcpy(out + 6, corners->uv0 + i * (size_t)2, 2 * sizeof *out);
     memcpy(out + 8, corners->uv1 + i * (size_t)2, 2 * sizeof *out);
+    memcpy(out + 10, corners->marks + i, sizeof *out);
 }
 
 /* Equal numbers get equal bytes; file values that are not finite get none of their own. */

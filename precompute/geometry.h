@@ -15,6 +15,7 @@ typedef struct al_corners {
     float *positions;     /* [count][3] */
     float *normals;       /* [count][3], (0,0,0) where the file gives none */
     float *uv0, *uv1;     /* [count][2] */
+    uint32_t *marks;      /* [count] corners with different marks are never joined; 0 unless set */
     bool has_uv0, has_uv1;
 } al_corners;
 

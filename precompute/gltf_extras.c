@@ -5,26 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GLB_HEADER = 20 };
-
-static uint32_t little(const uint8_t *bytes)
-{
-    return bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
-}
-
-/* A .glb is "glTF", version, length, then the JSON chunk's length and type: glTF 2.0, section 4.4. */
-static json_t *parse(const uint8_t *bytes, size_t size)
-{
-    const char *text = (const char *)bytes;
-    if (size >= GLB_HEADER && memcmp(bytes, "glTF", 4) == 0) {
-        size_t length = little(bytes + 12);
-        if (length > size - GLB_HEADER) return NULL;
-        text += GLB_HEADER;
-        size = length;
-    }
-    return json_loadb(text, size, 0, NULL);
-}
-
 static float number(const json_t *object, const char *key, float otherwise)
 {
     const json_t *value = json_object_get(object, key);
@@ -32,19 +12,15 @@ static float number(const json_t *object, const char *key, float otherwise)
     return isfinite(number) ? number : otherwise;
 }
 
-al_status al_gltf_extras_read(const char *name, const uint8_t *bytes, size_t size, al_gltf_extras *extras,
-                              al_error *error)
+al_status al_gltf_extras_read(const char *name, const json_t *root, al_gltf_extras *extras, al_error *error)
 {
     *extras = (al_gltf_extras){0};
-    json_t *root = parse(bytes, size);
-    if (!root) return al_fail(error, AL_BAD_INPUT, "%s: is not valid glTF 2.0", name);
     const json_t *materials = json_object_get(root, "materials"), *cameras = json_object_get(root, "cameras");
     size_t material_count = json_array_size(materials), camera_count = json_array_size(cameras);
     extras->emissive_strength = calloc(material_count + 1, sizeof(float));
     extras->fov_y_radians = calloc(camera_count + 1, sizeof(float));
     if (!extras->emissive_strength || !extras->fov_y_radians) {
         al_gltf_extras_free(extras);
-        json_decref(root);
         return al_fail(error, AL_IO, "%s: out of memory", name);
     }
     extras->material_count = (uint32_t)material_count;
@@ -57,7 +33,6 @@ al_status al_gltf_extras_read(const char *name, const uint8_t *bytes, size_t siz
     for (size_t i = 0; i < camera_count; i++)
         extras->fov_y_radians[i] =
             number(json_object_get(json_array_get(cameras, i), "perspective"), "yfov", 0);
-    json_decref(root);
     return AL_OK;
 }
 

@@ -2,7 +2,7 @@
 #ifndef AIRLIGHT_GLTF_EXTRAS_H
 #define AIRLIGHT_GLTF_EXTRAS_H
 
-#include <stddef.h>
+#include <jansson.h>
 #include <stdint.h>
 
 #include "airlight/status.h"
@@ -13,9 +13,8 @@ typedef struct al_gltf_extras {
     float *fov_y_radians;     /* [camera_count] 0 where it is not a perspective camera */
 } al_gltf_extras;
 
-/* Reads them from the bytes of a .gltf or .glb. */
-al_status al_gltf_extras_read(const char *name, const uint8_t *bytes, size_t size, al_gltf_extras *extras,
-                              al_error *error);
+/* Reads them from the file's JSON. */
+al_status al_gltf_extras_read(const char *name, const json_t *root, al_gltf_extras *extras, al_error *error);
 void al_gltf_extras_free(al_gltf_extras *extras);
 
 #endif

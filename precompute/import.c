@@ -10,6 +10,7 @@
 #include "geometry.h"
 #include "inputs.h"
 #include "mesh_file.h"
+#include "motion_import.h"
 
 enum { LIGHT_LIMIT = 64, NAME_ROOM = 1024 };
 
@@ -161,14 +162,21 @@ static al_status check_new_meshes(const al_import *import, uint32_t first, const
     return status;
 }
 
+/* `moved` is the mesh whose motion it follows: its own, or for a blocker that of the boundary. */
 static al_status import_mesh(al_import *import, uint32_t index, al_role role, uint32_t translucent,
-                             const double object[16], al_error *error)
+                             const double object[16], uint32_t moved, al_error *error)
 {
     const al_mesh_description *mesh = &import->description->meshes[index];
     char name[NAME_ROOM];
     snprintf(name, sizeof name, "%s:%d: mesh \"%s\"%s%s%s", import->description->path, mesh->line, mesh->name,
              *mesh->file ? " (" : "", mesh->file, *mesh->file ? ")" : "");
-    const al_mesh_use use = {role, translucent, object, name};
+    const al_mesh_description *with = &import->description->meshes[moved];
+    const al_mesh_use use = {role,
+                             translucent,
+                             object,
+                             &with->motion,
+                             {with->transform[12], with->transform[13], with->transform[14]},
+                             name};
     uint32_t first = import->scene.instance_count;
     al_status status = al_mesh_file_import(import, mesh, &use, error);
     return status ? status : check_new_meshes(import, first, &use, error);
@@ -188,11 +196,11 @@ static al_status import_translucent(al_import *import, uint32_t index, bool *tak
     object->name = al_scene_text(scene, from->name);
     object->asset = al_scene_text(scene, "");
     if (!object->name || !object->asset) return out_of_memory(import, error);
-    al_status status = import_mesh(import, boundary, AL_ROLE_TRANSLUCENT, index, matrix, error);
+    al_status status = import_mesh(import, boundary, AL_ROLE_TRANSLUCENT, index, matrix, boundary, error);
     for (uint32_t i = 0; i < from->blocker_count && !status; i++) {
         uint32_t blocker = find_mesh(import->description, from->blockers[i]);
         taken[blocker] = true;
-        status = import_mesh(import, blocker, AL_ROLE_BLOCKER, index, matrix, error);
+        status = import_mesh(import, blocker, AL_ROLE_BLOCKER, index, matrix, boundary, error);
     }
     return status;
 }
@@ -212,7 +220,7 @@ static al_status import_meshes(al_import *import, al_error *error)
     for (uint32_t i = 0; i < description->translucent_count && !status; i++)
         status = import_translucent(import, i, taken, error);
     for (uint32_t i = 0; i < description->mesh_count && !status; i++)
-        if (!taken[i]) status = import_mesh(import, i, AL_ROLE_OPAQUE, AL_NO_INDEX, NULL, error);
+        if (!taken[i]) status = import_mesh(import, i, AL_ROLE_OPAQUE, AL_NO_INDEX, NULL, i, error);
 cleanup:
     free(taken);
     return status;
@@ -318,6 +326,8 @@ static al_status fill_scene(al_import *import, al_error *error)
     if (!status) status = copy_cameras(import, error);
     if (!status) status = copy_media(import, error);
     if (!status) status = import_meshes(import, error);
+    if (!status) status = al_motion_bind_described(import, error);
+    if (!status) status = al_motion_finish(import, error);
     if (!status) status = open_densities(import, error);
     if (!status) status = copy_fogs(import, error);
     if (!status) status = al_environment_import(import, error);

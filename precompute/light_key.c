@@ -39,8 +39,9 @@ static void hash_surfaces(XXH64_state_t *state, const al_scene *scene)
     for (uint32_t i = 0; i < scene->mesh_count; i++) hash_mesh(state, &scene->meshes[i]);
     for (uint32_t i = 0; i < scene->instance_count; i++) {
         const al_instance *instance = &scene->instances[i];
-        const uint32_t numbers[] = {instance->mesh, instance->role, instance->lighting};
+        const uint32_t numbers[] = {instance->mesh, instance->role, instance->lighting}, moving = 1;
         hash(state, numbers, sizeof numbers);
+        hash(state, &moving, al_motion_moves(&scene->motion, i) ? sizeof moving : 0);
         hash(state, instance->world, sizeof instance->world);
     }
     for (uint32_t i = 0; i < scene->material_count; i++) hash_material(state, &scene->materials[i]);

@@ -12,8 +12,10 @@
 
 #include "geometry.h"
 #include "gltf_extras.h"
+#include "gltf_motion.h"
 #include "inputs.h"
 #include "material_file.h"
+#include "motion_import.h"
 #include "off_file.h"
 
 enum { NODE_DEPTH_LIMIT = 512 };
@@ -22,6 +24,9 @@ enum { NODE_DEPTH_LIMIT = 512 };
 
 typedef struct file_source {
     al_import *import;
+    const char *path; /* of the mesh file, and what is read in its place, unless NULL */
+    const uint8_t *instead;
+    size_t instead_size;
     al_error failure; /* of a file that is there but cannot be read */
 } file_source;
 
@@ -94,14 +99,24 @@ static void double_line_end(open_file *file)
     file->size++;
 }
 
+static bool open_bytes(file_source *source, const char *path, open_file *opened)
+{
+    if (!source->instead || strcmp(path, source->path))
+        return al_inputs_read(source->import, path, &opened->bytes, &opened->size, &source->failure) == AL_OK;
+    opened->size = source->instead_size;
+    opened->bytes = calloc(opened->size + 16, 1);
+    if (opened->bytes) memcpy(opened->bytes, source->instead, opened->size);
+    return opened->bytes != NULL;
+}
+
 static struct aiFile *file_open(struct aiFileIO *io, const char *path, const char *mode)
 {
     file_source *source = (file_source *)(void *)io->UserData;
     if (strchr(mode, 'w')) return NULL;
     open_file *opened = calloc(1, sizeof *opened);
     struct aiFile *file = calloc(1, sizeof *file);
-    if (!opened || !file ||
-        al_inputs_read(source->import, path, &opened->bytes, &opened->size, &source->failure)) {
+    bool good = opened && file && open_bytes(source, path, opened);
+    if (!good) {
         free(opened);
         free(file);
         return NULL;
@@ -122,6 +137,11 @@ typedef struct mesh_import {
     al_mesh_format format;
     double placement[16]; /* file space to world: the scene file's transform and unit */
     al_gltf_extras extras;
+    uint32_t entry_node; /* of the scene file's motion of this mesh, or AL_NO_INDEX */
+    al_gltf *gltf;       /* NULL: no glTF */
+    al_gltf_motion *motion;
+    const struct aiNode **gltf_nodes; /* [gltf_node_count] assimp's node for each of the file's */
+    uint32_t gltf_node_count;
     uint32_t *materials; /* [file->mNumMaterials] scene material or AL_NO_INDEX */
     al_corners corners;  /* of the mesh being made */
     al_submesh *submeshes;
@@ -168,12 +188,17 @@ static al_status load_file(mesh_import *job, al_error *error)
     if (!size)
         status = al_fail(error, AL_BAD_INPUT, "%s: the file is empty", job->use->name);
     else if (job->format == AL_MESH_GLTF)
-        status = al_gltf_extras_read(job->use->name, bytes, size, &job->extras, error);
+        status = al_gltf_open(job->import, job->use->name, path, bytes, size, &job->gltf, error);
+    if (!status && job->gltf)
+        status = al_gltf_extras_read(job->use->name, al_gltf_root(job->gltf), &job->extras, error);
     free(bytes);
+    bytes = NULL;
+    if (!status && job->gltf) status = al_gltf_without_motion(job->gltf, &bytes, &size, error);
     if (status) return status;
-    file_source source = {.import = job->import};
+    file_source source = {.import = job->import, .path = path, .instead = bytes, .instead_size = size};
     struct aiFileIO io = {file_open, file_close, (char *)&source};
     job->file = aiImportFileEx(path, aiProcess_Triangulate, &io);
+    free(bytes);
     if (!job->file) {
         char reason[512];
         snprintf(reason, sizeof reason, "%s", aiGetErrorString());
@@ -225,6 +250,78 @@ static const struct aiNode *find_node(const struct aiNode *from, const char *nam
     return NULL;
 }
 
+/* --- motion --- */
+
+/* assimp keeps the nodes of glTF as they are, below a node of its own where there are several roots. */
+static al_status pair_nodes(mesh_import *job, const struct aiNode *node, uint32_t index, al_error *error)
+{
+    const json_t *children = json_object_get(al_gltf_element(job->gltf, "nodes", index), "children");
+    al_status status = AL_OK;
+    if (index >= job->gltf_node_count || node->mNumChildren != json_array_size(children))
+        return al_fail(error, AL_BAD_INPUT, "%s: node \"%s\" has %u children here and %zu in the file",
+                       job->use->name, node->mName.data, node->mNumChildren, json_array_size(children));
+    job->gltf_nodes[index] = node;
+    for (unsigned i = 0; i < node->mNumChildren && !status; i++)
+        status = pair_nodes(job, node->mChildren[i], (uint32_t)json_integer_value(json_array_get(children, i)), error);
+    return status;
+}
+
+/* The file's motion; its nodes hang on the one of the scene file's keys, if there are any (motion_import.h). */
+static al_status open_motion(mesh_import *job, al_error *error)
+{
+    const json_t *root = al_gltf_root(job->gltf);
+    uint32_t number = al_gltf_index(root, "scene");
+    const json_t *scene = al_gltf_element(job->gltf, "scenes", number == AL_NO_INDEX ? 0 : number),
+                 *roots = json_object_get(scene, "nodes");
+    const struct aiNode *top = job->file->mRootNode;
+    size_t count = json_array_size(roots);
+    double placement[16];
+    al_status status = AL_OK;
+    job->gltf_node_count = (uint32_t)json_array_size(json_object_get(root, "nodes"));
+    job->gltf_nodes = calloc(job->gltf_node_count + (size_t)1, sizeof(struct aiNode *));
+    if (!job->gltf_nodes) return out_of_memory(job, error);
+    memcpy(placement, job->placement, sizeof placement);
+    for (int i = 0; i < 3 && job->entry_node != AL_NO_INDEX; i++) placement[12 + i] -= job->use->pivot_m[i];
+    status = al_gltf_motion_open(job->import, job->gltf, job->use->name, job->mesh->animation, placement,
+                                 job->entry_node, &job->motion, error);
+    for (unsigned i = 0; i < count && !status; i++) {
+        const struct aiNode *node = count == 1 ? top : i < top->mNumChildren ? top->mChildren[i] : NULL;
+        if (node) status = pair_nodes(job, node, (uint32_t)json_integer_value(json_array_get(roots, i)), error);
+    }
+    return status;
+}
+
+static uint32_t gltf_node(const mesh_import *job, const struct aiNode *node)
+{
+    for (uint32_t i = 0; i < job->gltf_node_count; i++)
+        if (job->gltf_nodes[i] == node) return i;
+    return AL_NO_INDEX;
+}
+
+/* Hangs what has the matrix `world` in the scene at rest, and belongs to `node` (NULL: to the whole mesh), on what
+ * moves it, if anything does. */
+static al_status bind(mesh_import *job, al_motion_kind kind, uint32_t index, const struct aiNode *node,
+                      const double world[16], al_error *error)
+{
+    uint32_t own = node && job->motion ? gltf_node(job, node) : AL_NO_INDEX, to = job->entry_node;
+    double at_rest[16], local[16];
+    bool moves = own != AL_NO_INDEX && al_gltf_motion_moves(job->motion, own);
+    if (!moves && to == AL_NO_INDEX) return AL_OK;
+    memcpy(local, world, sizeof local);
+    for (int i = 0; i < 3; i++) local[12 + i] -= job->use->pivot_m[i];
+    if (moves) {
+        al_status status = al_gltf_motion_node(job->motion, own, &to, error);
+        if (status) return status;
+        node_to_world(job, node, at_rest);
+        for (int i = 0; i < 16; i++) local[i] = i % 5 == 0;
+        if (fabs(al_matrix_determinant(at_rest)) > 0) {
+            al_matrix_invert(at_rest, local);
+            al_matrix_multiply(local, world, local);
+        }
+    }
+    return al_motion_bind(job->import, kind, index, to, local, error);
+}
+
 static bool is_inside(const struct aiNode *node, const struct aiNode *root)
 {
     for (; node; node = node->mParent)
@@ -250,6 +347,7 @@ static al_status check_finite(const mesh_import *job, const struct aiMesh *mesh,
 static void copy_corner(const struct aiMesh *mesh, unsigned vertex, al_corners *out)
 {
     size_t to = out->count++;
+    out->marks[to] = 0;
     const struct aiVector3D *p = &mesh->mVertices[vertex];
     memcpy(out->positions + to * 3, (float[3]){p->x, p->y, p->z}, 3 * sizeof(float));
     float normal[3] = {0};
@@ -370,7 +468,9 @@ static al_status add_whole(mesh_import *job, const double object[16], al_error *
     uint32_t index;
     if (!job->corners.count) return al_fail(error, AL_BAD_INPUT, "%s: has no triangles", job->use->name);
     al_status status = finish_mesh(job, job->mesh->name, &index, error);
-    return status ? status : add_instance(job, job->mesh->name, index, object, error);
+    if (!status) status = add_instance(job, job->mesh->name, index, object, error);
+    return status ? status
+                  : bind(job, AL_MOTION_INSTANCE, job->import->scene.instance_count - 1, NULL, object, error);
 }
 
 static al_status gather_nodes(mesh_import *job, const struct aiNode *node, const double to_object[16],
@@ -392,15 +492,43 @@ static al_status gather_nodes(mesh_import *job, const struct aiNode *node, const
     return status;
 }
 
-/* Even transforms stay in the instance, so that nodes can share a mesh; others go into the vertices. */
+/* A mesh with a skin or morph targets keeps the file's vertices apart, in its own space; with a skin its joints
+ * bring it into the world, its own node does not count (glTF 2.0, section 3.7.3). */
+static al_status add_deformed(mesh_import *job, const struct aiNode *node, uint32_t own, al_error *error)
+{
+    double world[16];
+    uint32_t index, instance;
+    al_status status = AL_OK;
+    for (unsigned i = 0; i < node->mNumMeshes && !status; i++) {
+        uint32_t first = job->corners.count, material;
+        status = al_gltf_motion_corners(job->motion, own, i, &job->corners, error);
+        if (!status) status = material_of(job, job->file->mMeshes[node->mMeshes[i]], &material, error);
+        if (!status) status = add_submesh(job, material, first, error);
+    }
+    if (status || !job->corners.count) return status;
+    status = finish_mesh(job, node->mName.data, &index, error);
+    for (int i = 0; i < 16; i++) world[i] = i % 5 == 0;
+    if (!al_gltf_motion_skinned(job->motion, own)) node_to_world(job, node, world);
+    if (!status) status = add_instance(job, node->mName.data, index, world, error);
+    instance = job->import->scene.instance_count - 1;
+    if (!status && !al_gltf_motion_skinned(job->motion, own))
+        status = bind(job, AL_MOTION_INSTANCE, instance, node, world, error);
+    return status ? status : al_gltf_motion_deform(job->motion, own, &job->corners, instance, error);
+}
+
+/* Even transforms stay in the instance, so that nodes can share a mesh; others go into the vertices. What is
+ * scaled to nothing is left out, unless it may grow. */
 static al_status add_node(mesh_import *job, const struct aiNode *node, uint32_t *shared, al_error *error)
 {
     double world[16], rigid[16], rest[16];
     uint32_t index = AL_NO_INDEX;
     al_status status = AL_OK;
+    uint32_t own = job->motion ? gltf_node(job, node) : AL_NO_INDEX;
+    if (own != AL_NO_INDEX && al_gltf_motion_deforms(job->motion, own)) return add_deformed(job, node, own, error);
     node_to_world(job, node, world);
-    if (!(fabs(al_matrix_determinant(world)) > 0)) return AL_OK; /* scaled to nothing: nothing to see */
-    bool even = al_matrix_split(world, rigid, rest);
+    bool flat = !(fabs(al_matrix_determinant(world)) > 0);
+    if (flat && !(own != AL_NO_INDEX && al_gltf_motion_moves(job->motion, own))) return AL_OK;
+    bool even = flat || al_matrix_split(world, rigid, rest);
     if (even && node->mNumMeshes == 1) index = shared[node->mMeshes[0]];
     if (index == AL_NO_INDEX) {
         for (unsigned i = 0; i < node->mNumMeshes && !status; i++)
@@ -411,7 +539,10 @@ static al_status add_node(mesh_import *job, const struct aiNode *node, uint32_t 
         if (status) return status;
         if (even && node->mNumMeshes == 1) shared[node->mMeshes[0]] = index;
     }
-    return add_instance(job, node->mName.data, index, even ? world : rigid, error);
+    status = add_instance(job, node->mName.data, index, even ? world : rigid, error);
+    return status ? status
+                  : bind(job, AL_MOTION_INSTANCE, job->import->scene.instance_count - 1, node, even ? world : rigid,
+                         error);
 }
 
 static al_status add_nodes(mesh_import *job, const struct aiNode *node, uint32_t *shared, int depth,
@@ -484,7 +615,7 @@ static al_status add_light(mesh_import *job, const struct aiLight *from, const s
             return al_fail(error, AL_BAD_INPUT, "%s: light \"%s\" has the intensity %g; 0 or more is right",
                            job->use->name, from->mName.data, color[i]);
     }
-    return AL_OK;
+    return bind(job, AL_MOTION_LIGHT, scene->light_count - 1, node, world, error);
 }
 
 static al_status add_camera(mesh_import *job, uint32_t index, const struct aiNode *node, al_error *error)
@@ -510,7 +641,7 @@ static al_status add_camera(mesh_import *job, uint32_t index, const struct aiNod
                        "%s: camera \"%s\" has a field of view of %g radians; a perspective camera "
                        "is right, or \"import_cameras\": false",
                        job->use->name, name, camera->fov_y_radians);
-    return AL_OK;
+    return bind(job, AL_MOTION_CAMERA, scene->camera_count - 1, node, world, error);
 }
 
 static al_status add_lights_and_cameras(mesh_import *job, const struct aiNode *root, al_error *error)
@@ -549,11 +680,14 @@ static al_status import_file(mesh_import *job, al_error *error)
     al_status status = load_file(job, error);
     if (status) return status;
     const struct aiNode *root = job->file->mRootNode;
+    if (job->gltf) status = open_motion(job, error);
+    if (status) return status;
     if (*job->mesh->node) root = find_node(root, job->mesh->node);
     if (!root)
         return al_fail(error, AL_BAD_INPUT, "%s: no node is named \"%s\"", job->use->name, job->mesh->node);
     status = add_geometry(job, root, error);
     if (!status) status = add_lights_and_cameras(job, root, error);
+    if (!status && job->motion) status = al_gltf_motion_finish(job->motion, error);
     return status ? status : read_absorption(job, error);
 }
 
@@ -607,10 +741,16 @@ static bool is_bare(const al_mesh_description *mesh)
 al_status al_mesh_file_import(al_import *import, const al_mesh_description *mesh, const al_mesh_use *use,
                               al_error *error)
 {
-    mesh_import job = {.import = import, .mesh = mesh, .use = use};
+    mesh_import job = {.import = import, .mesh = mesh, .use = use, .entry_node = AL_NO_INDEX};
     memcpy(job.placement, mesh->transform, sizeof job.placement);
     for (int i = 0; i < 12; i++) job.placement[i] *= mesh->unit_m;
-    al_status status = is_bare(mesh) ? import_bare(&job, error) : import_file(&job, error);
+    al_status status = AL_OK;
+    if (use->motion->count)
+        status = al_motion_add_keys(import, mesh->name, use->motion, use->pivot_m, &job.entry_node, error);
+    if (!status) status = is_bare(mesh) ? import_bare(&job, error) : import_file(&job, error);
+    al_gltf_motion_close(job.motion);
+    al_gltf_close(job.gltf);
+    free(job.gltf_nodes);
     if (job.file) aiReleaseImport(job.file);
     al_corners_free(&job.corners);
     al_gltf_extras_free(&job.extras);

@@ -8,6 +8,8 @@ typedef struct al_mesh_use {
     al_role role;
     uint32_t translucent; /* AL_NO_INDEX for AL_ROLE_OPAQUE */
     const double *object; /* boundary and blockers: the rigid object-to-world matrix they share, else NULL */
+    const al_motion_description *motion; /* of the whole */
+    double pivot_m[3];                   /* about which that turns and scales: where the mesh is placed */
     const char *name;     /* "FILE:LINE: mesh "NAME" (FILE)", for messages */
 } al_mesh_use;
 

@@ -95,6 +95,9 @@ void al_plan_make(const al_import *import, al_plan *plan)
 
     plan->count = 0;
     add(plan, "scene", true, "what the player draws: meshes, materials, lights, cameras", 0.1, 0);
+    bool moves = scene->motion.binding_count || scene->motion.deform_count;
+    add(plan, "motion", moves,
+        moves ? "keys move meshes, lights or cameras; what moves is in no lightmap and no probe" : "nothing moves", 0, 0);
     add(plan, "voxelise", any, any ? "translucent objects are swept as voxels" : none,
         objects * voxels * 2e-7, voxels * 5);
     add(plan, "blockers", any && blockers,

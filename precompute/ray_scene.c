@@ -125,10 +125,13 @@ static al_status add_opaque(const al_import *import, uint32_t index, surface *ou
     return AL_OK;
 }
 
-static bool is_wanted(const al_instance *instance, al_ray_scene_content content)
+/* What moves is in no bake of other things' light. */
+static bool is_wanted(const al_scene *scene, uint32_t index, al_ray_scene_content content)
 {
+    const al_instance *instance = &scene->instances[index];
     if (instance->role == AL_ROLE_TRANSLUCENT) return false;
-    return content == AL_RAY_SCENE_ALL || instance->lighting != AL_LIGHTING_PROBES;
+    return content == AL_RAY_SCENE_ALL ||
+           (instance->lighting != AL_LIGHTING_PROBES && !al_motion_moves(&scene->motion, index));
 }
 
 static al_status add_surfaces(al_ray_scene *scene, const al_import *import, al_ray_scene_content content,
@@ -144,7 +147,7 @@ static al_status add_surfaces(al_ray_scene *scene, const al_import *import, al_r
         status = add_boundary(import, i, &scene->surfaces[scene->surface_count++], error);
     for (uint32_t i = 0; i < from->instance_count && !status; i++) {
         scene->instance_surfaces[i] = AL_NO_INDEX;
-        if (!is_wanted(&from->instances[i], content)) continue;
+        if (!is_wanted(from, i, content)) continue;
         scene->instance_surfaces[i] = scene->surface_count;
         status = add_opaque(import, i, &scene->surfaces[scene->surface_count++], error);
     }

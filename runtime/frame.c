@@ -210,7 +210,8 @@ static al_status draw_frame(al_draw *draw)
     al_fog_prepare(draw);
     draw->needs_surfels = needs_surfels(draw);
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, runtime->frame_block.id);
-    status = al_shadow_draw(draw);
+    status = al_motion_draw(draw);
+    if (!status) status = al_shadow_draw(draw);
     if (!status) status = al_surfels_run(draw);
     for (uint32_t i = 0; i < runtime->scene.translucent_count && !status; i++)
         if (runtime->objects[i].present && runtime->objects[i].rectangle[2])

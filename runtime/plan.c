@@ -35,6 +35,10 @@ const al_plan_row *al_runtime_plan(al_runtime *runtime, uint32_t *count)
     bool environment = al_environment_exists(&scene->environment);
     *count = 0;
     if (!runtime->loaded) return runtime->plan;
+    bool deforms = scene->motion.deform_count > 0;
+    add(runtime, count, "skin", deforms,
+        deforms ? "skinned or morphed meshes, whenever the time changes" : "no mesh has a skin or morph targets that move",
+        ms[AL_STAGE_SKIN], al_motion_bytes(runtime));
     add(runtime, count, "shadow", opaque && lights,
         !opaque  ? "no opaque object casts a shadow"
         : lights ? "opaque objects and lights"

@@ -1,5 +1,6 @@
 /* The library's life: create, load, update, and what it answers about itself. */
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -48,6 +49,7 @@ static void unload(al_runtime *runtime)
     runtime->objects = NULL;
     runtime->sorted = NULL;
     al_model_free(runtime);
+    al_motion_free(runtime);
     al_fog_free(runtime);
     al_lightmap_free(runtime);
     al_probes_free(runtime);
@@ -110,6 +112,7 @@ static al_status start(al_runtime *runtime, const char *folder, al_error *error)
     for (uint32_t i = 0; i < count; i++) runtime->sorted[i] = AL_NO_INDEX;
     al_gl_reset_state();
     al_status status = al_model_create(runtime, error);
+    if (!status) status = al_motion_create(runtime, error);
     if (!status) status = al_environment_upload(runtime, error);
     if (!status) status = al_fog_create(runtime, error);
     if (!status) status = al_loader_create(folder, &runtime->scene, &runtime->loader, error);
@@ -209,6 +212,23 @@ al_status al_runtime_update(al_runtime *runtime, uint64_t byte_budget, al_load_s
 al_scene *al_runtime_scene(al_runtime *runtime)
 {
     return runtime->loaded ? &runtime->scene : NULL;
+}
+
+bool al_runtime_bounds(const al_runtime *runtime, float low[3], float high[3])
+{
+    bool any = false;
+    for (uint32_t i = 0; runtime->loaded && i < runtime->scene.instance_count; i++) {
+        const al_instance *instance = &runtime->scene.instances[i];
+        float box[2][3];
+        if (instance->role == AL_ROLE_BLOCKER || !runtime->model.meshes[instance->mesh].vertex_array) continue;
+        al_model_world_box(runtime, instance, box[0], box[1]);
+        for (int k = 0; k < 3; k++) {
+            low[k] = any ? fminf(low[k], box[0][k]) : box[0][k];
+            high[k] = any ? fmaxf(high[k], box[1][k]) : box[1][k];
+        }
+        any = true;
+    }
+    return any;
 }
 
 uint32_t al_runtime_times(al_runtime *runtime, al_pass_time *times, uint32_t limit)

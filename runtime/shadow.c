@@ -141,8 +141,8 @@ static bool unchanged(al_draw *draw)
 {
     const al_scene *scene = &draw->runtime->scene;
     al_shadow_maps *maps = &draw->runtime->shadow;
-    size_t size = 32u * scene->light_count + 17u * scene->instance_count, at = 0;
-    float *key = calloc(size + 1, sizeof *key);
+    size_t size = 32u * scene->light_count + 17u * scene->instance_count + 1, at = 0;
+    float *key = calloc(size, sizeof *key);
     if (!key) return false;
     for (uint32_t i = 0; i < scene->light_count; i++, at += 32) {
         memcpy(key + at, draw->block.lights[i].vector, 4 * sizeof *key);
@@ -153,6 +153,7 @@ static bool unchanged(al_draw *draw)
         memcpy(key + at, scene->instances[i].world, 16 * sizeof *key);
         key[at + 16] = (float)scene->instances[i].role;
     }
+    memcpy(key + at, &draw->runtime->moving.posed, sizeof *key);
     bool same = maps->key && maps->key_size == size && memcmp(maps->key, key, size * sizeof *key) == 0;
     free(maps->key);
     maps->key = key;

@@ -132,6 +132,31 @@ typedef struct al_object { /* one of al_scene.translucents */
     bool environment_good;
 } al_object;
 
+enum { AL_DEFORM_BUFFERS = 7 }; /* of skin.comp: what a mesh is made from, then its pose */
+
+typedef struct al_box {
+    float low[3], high[3]; /* low above high: empty */
+} al_box;
+
+typedef struct al_deformed { /* one of al_scene.motion.deforms */
+    al_gl_buffer buffers[AL_DEFORM_BUFFERS];
+    float *pose; /* [pose_count] as skin.comp wants it */
+    size_t pose_count;
+    double (*palette)[16], *weights;
+    al_box *boxes;  /* [joint_count, at least 1] of the vertices that hang on each joint, bound */
+    al_box *deltas; /* [target_count] */
+} al_deformed;
+
+typedef struct al_moving {
+    double time_s, length_s; /* in the loop; 0: nothing moves */
+    bool placed;             /* everything is where it is at time_s */
+    double (*world)[16];     /* [node_count] of al_scene.motion */
+    double *scratch;
+    al_deformed *deforms; /* [deform_count] */
+    uint32_t deform_count;
+    uint32_t poses, posed; /* how often the pose has changed, and up to which the vertices have followed */
+} al_moving;
+
 typedef struct al_shadow_maps {
     al_gl_texture depth; /* array of layers */
     GLuint framebuffer;
@@ -185,6 +210,7 @@ struct al_runtime {
     bool arriving;
     uint32_t arrived; /* samples, bricks or layers of the arriving page on the GPU */
     al_model model;
+    al_moving moving;
     al_gl_texture environment;
     uint32_t environment_levels;
     float environment_unit; /* radiance of its texture's 1, W/(m2 sr) */
@@ -224,6 +250,12 @@ typedef struct al_draw {
 al_status al_model_create(al_runtime *runtime, al_error *error);
 void al_model_free(al_runtime *runtime);
 void al_model_world_box(const al_runtime *runtime, const al_instance *instance, float low[3], float high[3]);
+
+/* motion.c: al_runtime_set_time, and what follows it on the GPU */
+al_status al_motion_create(al_runtime *runtime, al_error *error); /* after al_model_create */
+void al_motion_free(al_runtime *runtime);
+al_status al_motion_draw(al_draw *draw); /* before anything draws a mesh */
+uint64_t al_motion_bytes(const al_runtime *runtime);
 
 /* environment.c */
 al_status al_environment_upload(al_runtime *runtime, al_error *error);

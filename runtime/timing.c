@@ -4,7 +4,7 @@
 
 const char *al_stage_name(al_stage stage)
 {
-    static const char *const names[AL_STAGE_COUNT] = {"shadow",  "surfels",           "surfel light",
+    static const char *const names[AL_STAGE_COUNT] = {"skin", "shadow",  "surfels",           "surfel light",
                                                       "light",   "surface",           "direct-scattering",
                                                       "intervals", "splat",           "composite"};
     return names[stage];

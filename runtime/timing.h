@@ -10,6 +10,7 @@
 #include "airlight/runtime.h"
 
 typedef enum al_stage {
+    AL_STAGE_SKIN,
     AL_STAGE_SHADOW,
     AL_STAGE_SURFELS,
     AL_STAGE_SURFEL_LIGHT,

@@ -82,6 +82,17 @@ static json_t *lighting_counts(const al_scene *scene)
                      counts[AL_LIGHTING_LIGHTMAP], "probes", counts[AL_LIGHTING_PROBES]);
 }
 
+static json_t *motion_counts(const al_scene *scene)
+{
+    const al_motion *m = &scene->motion;
+    int bound[3] = {0};
+    for (uint32_t i = 0; i < m->binding_count; i++) bound[m->bindings[i].kind]++;
+    return json_pack("{s:o,s:i,s:i,s:i,s:i,s:i,s:i}", "duration_s", json_number(al_motion_length_s(m)), "nodes",
+                     (int)m->node_count, "channels", (int)m->channel_count, "instances", bound[AL_MOTION_INSTANCE],
+                     "lights", bound[AL_MOTION_LIGHT], "cameras", bound[AL_MOTION_CAMERA], "deformed",
+                     (int)m->deform_count);
+}
+
 static json_t *camera_list(const al_scene *scene)
 {
     json_t *list = json_array();
@@ -126,6 +137,7 @@ static al_status summary(const al_file *file, json_t **out, al_error *error)
                         json_pack("{s:o,s:o}", "lightmap", json_text(scene.baked.lightmap), "probes",
                                   json_text(scene.baked.probes)));
     json_object_set_new(o, "cameras", camera_list(&scene));
+    json_object_set_new(o, "motion", motion_counts(&scene));
     json_object_set_new(o, "provenance", json_provenance(file));
     *out = o;
     al_scene_free(&scene);

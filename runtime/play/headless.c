@@ -96,6 +96,16 @@ static al_status look_at_scene(session *s, al_error *error)
     return AL_OK;
 }
 
+/* Frame i shows time i / fps. The camera may move, and so may what its planes enclose. */
+static al_status show_frame_time(session *s, al_error *error)
+{
+    al_runtime_set_time(s->runtime, s->frame / s->options->fps);
+    if (!(al_runtime_duration_s(s->runtime) > 0)) return AL_OK;
+    al_status status = look_at_scene(s, error);
+    al_runtime_bounds(s->runtime, s->bounds.low, s->bounds.high);
+    return status;
+}
+
 /* Loads the folder to its end. With --first-picture frames are drawn meanwhile, as the window does. */
 static al_status load(session *s, al_error *error)
 {
@@ -178,6 +188,7 @@ static al_status render_frame(session *s, bool last, al_error *error)
     al_pass_time times[TIMES_LIMIT];
     double start_s = al_program_seconds();
     al_status status = al_runtime_update(s->runtime, 0, &state, error);
+    if (!status) status = show_frame_time(s, error);
     if (!status) status = draw(s, error);
     if (status) return status;
     double frame_ms = 1e3 * (al_program_seconds() - start_s);

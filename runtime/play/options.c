@@ -103,7 +103,7 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
         {"--headless", NULL, AL_OPTION_FLAG, &options->headless, "render without a display, then end", 0, 0},
         {"--size", "WxH", AL_OPTION_SIZE, options->size, "picture or window size (1280x720)", 1, 8192},
         {"--frames", "N", AL_OPTION_INT, &options->frames, "headless: how many frames (1)", 1, 1e6},
-        {"--fps", "F", AL_OPTION_REAL, &options->fps, "headless: frame i shows time i / F (60)", 1e-3, 1e6},
+        {"--fps", "F", AL_OPTION_REAL, &options->fps, "headless: frame i shows time i / F, begun anew after the last key (60)", 1e-3, 1e6},
         {"--out", "FILE", AL_OPTION_LIST, &options->out,
          "headless: FILE.exr (linear) or FILE.png; %04d for every frame; may be repeated", 0, 0},
         {"--accumulate", NULL, AL_OPTION_FLAG, &options->accumulate,

@@ -15,6 +15,7 @@ static const char *const keys_text = "left drag      orbit\n"
                                      "+ -            exposure\n"
                                      "G              fog on, off\n"
                                      "L              scattered light in lightmaps on, off\n"
+                                     "Space          stop the time, go on\n"
                                      "P              screenshot (EXR and PNG)\n"
                                      "Tab            panel on, off\n"
                                      "H              this list\n"
@@ -114,6 +115,19 @@ static void show_picture(al_panel_state *state, const al_scene *scene)
     }
 }
 
+/* Scrubbing stops the time. */
+static void show_time(al_panel_state *state)
+{
+    double length_s = al_runtime_duration_s(state->runtime);
+    if (!(length_s > 0) || !ImGui::CollapsingHeader("time", ImGuiTreeNodeFlags_DefaultOpen)) return;
+    float time_s = (float)*state->time_s;
+    if (ImGui::SliderFloat("time, s", &time_s, 0, (float)length_s, "%.3f")) {
+        *state->time_s = time_s;
+        *state->paused = true;
+    }
+    if (ImGui::Button(*state->paused ? "go on" : "stop")) *state->paused = !*state->paused;
+}
+
 /* A slider over a setting in which 0 stands for `all`. */
 static void edit_count(const char *label, const char *all_format, uint32_t *value, uint32_t most,
                        bool logarithmic)
@@ -210,6 +224,7 @@ static void show_panel(al_panel_state *state)
     if (*state->message) ImGui::TextWrapped("%s", state->message);
     if (scene) {
         show_lights(scene);
+        show_time(state);
         show_picture(state, scene);
         show_quality(state);
         show_times(state);

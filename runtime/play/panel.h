@@ -21,6 +21,8 @@ typedef struct al_panel_state { /* what the panel shows and changes */
     al_settings *settings;
     float *exposure_ev;
     int *camera; /* index of the scene's camera; set by the panel, -1 when the user has moved away */
+    double *time_s; /* shown; within al_runtime_duration_s */
+    bool *paused;
     const al_pass_time *times;
     uint32_t time_count;
     double frame_ms; /* wall clock, smoothed */

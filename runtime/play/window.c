@@ -38,6 +38,8 @@ typedef struct player {
     bool panel_ready, panel_hidden, help;
     bool screenshot; /* of the next frame, which shows all that happened before the key */
     double mouse[2], last_s, frame_ms;
+    double time_s; /* shown, within the scene's duration */
+    bool paused;
     al_pass_time times[TIMES_LIMIT];
     uint32_t time_count;
 } player;
@@ -73,6 +75,17 @@ static al_status folder_of(const char *path, char *folder, size_t size, al_error
     return AL_OK;
 }
 
+/* Goes on with the time, and with a camera of the scene that moves. */
+static void advance(player *p, double seconds)
+{
+    double length_s = al_runtime_duration_s(p->runtime);
+    if (!(length_s > 0)) return;
+    if (!p->paused) p->time_s = fmod(p->time_s + seconds, length_s);
+    al_runtime_set_time(p->runtime, p->time_s);
+    al_runtime_bounds(p->runtime, p->bounds.low, p->bounds.high);
+    if (p->camera == p->applied_camera) use_camera(p, p->camera);
+}
+
 /* What was open stays when there is no scene to open. Moves neither the eye nor the exposure. */
 static al_status open_folder(player *p, const char *path, al_error *error)
 {
@@ -86,6 +99,7 @@ static al_status open_folder(player *p, const char *path, al_error *error)
     al_watch_begin(&p->watch, folder, glfwGetTime());
     const al_scene *scene = al_runtime_scene(p->runtime);
     p->load = (al_load_state){0};
+    p->time_s = 0;
     p->message[0] = 0;
     p->bounds = al_bounds_of_scene(scene);
     if (p->camera >= (int)scene->camera_count) p->camera = p->applied_camera = -1;
@@ -183,6 +197,9 @@ static void on_key(GLFWwindow *window, int key, int code, int action, int mods)
     case GLFW_KEY_L:
         p->settings.scattered_off = !p->settings.scattered_off;
         break;
+    case GLFW_KEY_SPACE:
+        p->paused = !p->paused;
+        break;
     case GLFW_KEY_P:
         p->screenshot = true;
         break;
@@ -274,6 +291,8 @@ static void draw_panel(player *p)
                             .settings = &p->settings,
                             .exposure_ev = &p->exposure_ev,
                             .camera = &p->camera,
+                            .time_s = &p->time_s,
+                            .paused = &p->paused,
                             .times = p->times,
                             .time_count = p->time_count,
                             .frame_ms = p->frame_ms,
@@ -293,6 +312,7 @@ static al_status frame(player *p, al_error *error)
     fly(p, fmin(seconds, 0.1));
     reload_when_changed(p);
     al_status status = fit_target(p, width, height, error);
+    if (!status) advance(p, seconds);
     if (!status && al_runtime_scene(p->runtime))
         status = draw_scene(p, error);
     else if (!status)

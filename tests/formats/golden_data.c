@@ -151,7 +151,7 @@ void golden_fill_scene(al_scene *scene)
 {
     *scene = (al_scene){
         1, 2, 2, 3, 1, 1, 2, 1, textures, materials, meshes, instances, media, translucents, lights, cameras,
-        {.width = 2, .height = 1, .pixels = sky}, {0.5f, {0.125f, 0.25f, 0.5f}}, 0, NULL, {"", ""}, NULL,
+        {.width = 2, .height = 1, .pixels = sky}, {0.5f, {0.125f, 0.25f, 0.5f}}, 0, NULL, {"", ""}, {0}, NULL,
     };
     for (int c = 0; c < 3; c++)
         for (int i = 0; i < AL_ENVIRONMENT_ORDER * AL_ENVIRONMENT_ORDER; i++)
@@ -173,6 +173,51 @@ void golden_fill_lit_scene(al_scene *scene)
     scene->fogs = fogs;
     scene->fog_count = 2;
     scene->baked = (al_baked_light){"room.lightmap.air", "room.probes.air"};
+}
+
+#define UNIT_MATRIX {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}
+
+static al_motion_node nodes[] = {
+    {"root", AL_NO_INDEX, {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 0.5f, 0, 0, 1}, {0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}},
+    {"hand", 0, UNIT_MATRIX, {0, 1, 0}, {0, 0.6f, 0, 0.8f}, {1, 0.5f, 1}},
+};
+static float slide_times[] = {0, 0.5f, 2}, slide_values[] = {0, 0, 0, 1, 0, 0, 1, 0, -1};
+static float turn_times[] = {0.25f, 1.25f};
+static float turn_values[] = {0, 0, 0, 0, 0, 0, 0, 1, 0.5f, 0, 0, 0, 0.25f, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0};
+static float bulge_times[] = {0, 1}, bulge_values[] = {0, 0.75f};
+static al_motion_channel channels[] = {
+    {0, AL_MOTION_TRANSLATION, AL_MOTION_LINEAR, 3, 3, slide_times, slide_values},
+    {1, AL_MOTION_ROTATION, AL_MOTION_CUBIC, 2, 4, turn_times, turn_values},
+    {1, AL_MOTION_WEIGHTS, AL_MOTION_STEP, 2, 1, bulge_times, bulge_values},
+};
+static al_motion_binding bindings[] = {
+    {AL_MOTION_INSTANCE, 0, 0, {0.5f, 0, 0, 0, 0, 0.5f, 0, 0, 0, 0, 0.5f, 0, 0, -0.5f, 0, 1}},
+    {AL_MOTION_LIGHT, 1, 1, UNIT_MATRIX},
+    {AL_MOTION_CAMERA, 0, 1, UNIT_MATRIX},
+};
+static al_motion_joint joints[] = {{0, UNIT_MATRIX}, {1, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -1, 0, 1}}};
+static uint16_t influences[] = {0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0};
+static float shares[] = {1, 0, 0, 0, 0.75f, 0.25f, 0, 0, 0.5f, 0.5f, 0, 0, 1, 0, 0, 0};
+static float position_deltas[] = {0, 0, 0, 0.25f, 0, 0, 0, 0, 0, 0, 0, 0.125f};
+static float normal_deltas[] = {0, 0, 0, 0, 0.5f, 0, 0, 0, 0, 0, 0, 0};
+static al_motion_deform deforms[] = {
+    {3, 1, 0, 2, 1, true, solid_positions, solid_normals, influences, shares, position_deltas, normal_deltas}};
+
+void golden_fill_moving_scene(al_scene *scene)
+{
+    static al_mesh more[3];
+    static al_instance moved[4];
+    golden_fill_scene(scene);
+    memcpy(more, meshes, sizeof meshes);
+    more[2] = meshes[1];
+    more[2].name = "arm";
+    memcpy(moved, instances, sizeof instances);
+    moved[3] = (al_instance){"arm", 2, AL_ROLE_OPAQUE, AL_NO_INDEX, UNIT_MATRIX, 0};
+    scene->meshes = more;
+    scene->mesh_count = 3;
+    scene->instances = moved;
+    scene->instance_count = 4;
+    scene->motion = (al_motion){2, 3, 3, 2, 1, nodes, channels, bindings, joints, deforms};
 }
 
 /* --- impulse tables --- */

@@ -42,6 +42,9 @@ void golden_fill_scene(al_scene *scene);
 /* The same with a floor that has a lightmap, two fogs and the names of baked light. */
 void golden_fill_lit_scene(al_scene *scene);
 
+/* The first one with a floor, a lamp and a camera on nodes, and a tetrahedron with two joints and a morph target. */
+void golden_fill_moving_scene(al_scene *scene);
+
 /* Impulse tables of 3 bands, 2 events, 4 distances and 7 cosines: all that must be there, and one of each kind
  * that may be. */
 enum { GOLDEN_TABLES = 10 };

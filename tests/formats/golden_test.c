@@ -10,6 +10,7 @@
 
 static const char *const valid[] = {"translucent_float_1_0", "translucent_half_1_0", "translucent_byte_1_0",
                                     "scene_1_0",            "scene_lit_1_0",
+                                    "scene_moving_1_0",
                                     "impulse_tables_1_0",   "lightmap_float_1_0", "lightmap_half_1_0",
                                     "medium_1_0",
                                     "probes_1_0"};
@@ -243,6 +244,9 @@ static void test_same_bytes(const char *folder)
     golden_fill_lit_scene(&scene);
     CHECK(al_scene_write(path, &scene, NULL, NULL, &error) == AL_OK);
     compare_bytes("scene_lit_1_0", path);
+    golden_fill_moving_scene(&scene);
+    CHECK(al_scene_write(path, &scene, NULL, NULL, &error) == AL_OK);
+    compare_bytes("scene_moving_1_0", path);
     golden_impulse impulse;
     golden_fill_impulse(&impulse);
     CHECK(al_impulse_tables_write(path, &impulse.data, NULL, &error) == AL_OK);

@@ -146,7 +146,7 @@ static al_status write_translucent(al_error *error)
 static al_status write_scene(al_error *error)
 {
     al_scene scene;
-    golden_fill_scene(&scene);
+    golden_fill_moving_scene(&scene);
     return al_scene_write(path, &scene, "{}", NULL, error);
 }
 
@@ -194,7 +194,7 @@ static al_status read_scene(al_error *error)
 {
     al_file *file;
     al_scene scene;
-    al_status status = al_file_open(AIRLIGHT_GOLDEN "/scene_1_0.air", NULL, &file, error);
+    al_status status = al_file_open(AIRLIGHT_GOLDEN "/scene_moving_1_0.air", NULL, &file, error);
     if (status != AL_OK) {
         CHECK(!file);
         return status;

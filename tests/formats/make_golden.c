@@ -38,6 +38,10 @@ static al_status write_valid(const char *folder, al_error *error)
     snprintf(path, sizeof path, "%s/scene_lit_1_0.air", folder);
     status = al_scene_write(path, &scene, NULL, NULL, error);
     if (status != AL_OK) return status;
+    golden_fill_moving_scene(&scene);
+    snprintf(path, sizeof path, "%s/scene_moving_1_0.air", folder);
+    status = al_scene_write(path, &scene, NULL, NULL, error);
+    if (status != AL_OK) return status;
     golden_impulse impulse;
     golden_fill_impulse(&impulse);
     snprintf(path, sizeof path, "%s/impulse_tables_1_0.air", folder);

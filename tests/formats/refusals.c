@@ -6,6 +6,7 @@
 #define SCENE "scene_1_0"
 #define PROBES "probes_1_0"
 #define LIT "scene_lit_1_0"
+#define MOVING "scene_moving_1_0"
 #define MAP "lightmap_half_1_0"
 #define MAP_FLOAT "lightmap_float_1_0"
 #define MEDIUM "medium_1_0"
@@ -123,6 +124,30 @@ const refusal refusals[] = {
     {317, "lightmap_on_boundary", LIT, SEAL_ALL, {CHUNK("INLI", 0, 4, 4, 1)}},
     {318, "fog_inside_out", LIT, SEAL_ALL, {CHUNK("FOGS", 0, 40 + 8, 4, 0x40a00000)}},
     {318, "endless_fog_with_bounds", LIT, SEAL_ALL, {CHUNK("FOGS", 0, 8, 4, 0x3f800000)}},
+    {130, "nodes_cut_off", MOVING, SEAL_ALL, {RESIZE("NODE", 0, 220), CHUNK("NODE", 0, 220, 4, 0)}},
+    {131, "key_not_finite", MOVING, SEAL_ALL, {CHUNK("KEYS", 0, 16, 4, NAN_BITS)}},
+    {131, "delta_not_finite", MOVING, SEAL_ALL, {CHUNK("SHAP", 0, 256, 4, NAN_BITS)}},
+    {132, "channel_without_keys", MOVING, SEAL_ALL, {CHUNK("CHAN", 0, 12, 4, 0)}},
+    {132, "property_unknown", MOVING, SEAL_ALL, {CHUNK("CHAN", 0, 4, 4, 4)}},
+    {305, "bound_to_no_node", MOVING, SEAL_ALL, {CHUNK("BIND", 0, 8, 4, 2)}},
+    {305, "joint_of_no_node", MOVING, SEAL_ALL, {CHUNK("JONT", 0, 0, 4, 2)}},
+    {305, "deform_with_missing_joints", MOVING, SEAL_ALL, {CHUNK("DEFM", 0, 8, 4, 1)}},
+    {308, "bind_normal_not_unit", MOVING, SEAL_ALL, {CHUNK("SHAP", 0, 64 + 12, 4, 0x40000000)}},
+    {311, "node_not_affine", MOVING, SEAL_ALL, {CHUNK("NODE", 0, 8 + 12, 4, 0x3f800000)}},
+    {319, "node_before_parent", MOVING, SEAL_ALL, {CHUNK("NODE", 0, 112 + 4, 4, 1)}},
+    {320, "channels_descend", MOVING, SEAL_ALL, {CHUNK("CHAN", 0, 20, 4, 0), CHUNK("CHAN", 0, 24, 4, 0)}},
+    {320, "turn_of_three_numbers", MOVING, SEAL_ALL, {CHUNK("CHAN", 0, 20 + 16, 4, 3)}},
+    {321, "keys_too_few", MOVING, SEAL_ALL, {RESIZE("KEYS", 0, 164), CHUNK("KEYS", 0, 164, 4, 0)}},
+    {322, "times_fall", MOVING, SEAL_ALL, {CHUNK("KEYS", 0, 8, 4, 0x3e800000)}},
+    {322, "time_negative", MOVING, SEAL_ALL, {CHUNK("KEYS", 0, 0, 4, MINUS_ONE)}},
+    {323, "bindings_descend", MOVING, SEAL_ALL, {CHUNK("BIND", 0, 2 * 76, 4, 1)}},
+    {324, "boundary_deformed", MOVING, SEAL_ALL, {CHUNK("DEFM", 0, 0, 4, 1)}},
+    {324, "deformed_mesh_shared", MOVING, SEAL_ALL, {CHUNK("INST", 0, 80 * 3 + 4, 4, 1)}},
+    {325, "shape_missing", MOVING, SEAL_ALL, {HIDE("SHAP", 0)}},
+    {325, "shape_too_short", MOVING, SEAL_ALL, {RESIZE("SHAP", 0, 364), CHUNK("SHAP", 0, 364, 4, 0)}},
+    {325, "gap_inside_shape", MOVING, SEAL_ALL, {CHUNK("SHAP", 0, 63, 1, 1)}},
+    {326, "joint_outside", MOVING, SEAL_ALL, {CHUNK("SHAP", 0, 128, 2, 2)}},
+    {326, "weights_of_half", MOVING, SEAL_ALL, {CHUNK("SHAP", 0, 192, 4, 0x3f000000)}},
     {501, "lightmap_page_missing", MAP, SEAL_ALL, {HIDE("PAGE", 1)}},
     {502, "lightmap_page_too_narrow", MAP, SEAL_ALL, {CHUNK("PAGS", 0, 0, 4, 3)}},
     {503, "gap_inside_lightmap_page", MAP_FLOAT, SEAL_ALL, {CHUNK("PAGE", 0, 127, 1, 1)}},

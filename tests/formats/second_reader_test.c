@@ -69,7 +69,7 @@ static size_t chunk(const source *s, const char *type, int n, size_t *size)
 
 static unsigned is_optional(const unsigned char *type)
 {
-    static const char types[] = "PROV INLI FOGS BAKD";
+    static const char types[] = "PROV INLI FOGS BAKD NODE CHAN BIND JONT DEFM KEYS SHAP";
     for (size_t i = 0; i < sizeof types - 1; i += 5)
         if (!memcmp(type, types + i, 4)) return 1;
     return 0;
@@ -228,6 +228,36 @@ static void check_lit_scene(void)
     CHECK(size == 8 && text_is(s, at, "room.lightmap.air") && text_is(s, at + 4, "room.probes.air"));
 }
 
+static void check_moving_scene(void)
+{
+    const source *s = load("scene_moving_1_0.air");
+    size_t size, at = chunk(s, "NODE", 0, &size);
+    check_container(s, 1);
+    CHECK(size == 224 && text_is(s, at, "root") && number(s, at + 4, 4) == 0xffffffff && real(s, at + 8) == 2 &&
+          real(s, at + 56) == 0.5);
+    at += 112;
+    CHECK(text_is(s, at, "hand") && number(s, at + 4, 4) == 0 && real(s, at + 76) == 1 && real(s, at + 84 + 12) > 0.79 &&
+          real(s, at + 104) == 0.5);
+    at = chunk(s, "CHAN", 0, &size) + 20;
+    CHECK(size == 60 && number(s, at, 4) == 1 && number(s, at + 4, 4) == 1 && number(s, at + 8, 4) == 2 &&
+          number(s, at + 12, 4) == 2 && number(s, at + 16, 4) == 4);
+    /* 3 keys of 3 numbers, 2 of 3 x 4, 2 of 1: the cubic's first value is (0, 0, 0, 1) */
+    at = chunk(s, "KEYS", 0, &size);
+    CHECK(size == 4 * (3 * 4 + 2 * 13 + 2 * 2) && real(s, at + 8) == 2 && real(s, at + 4 * 14) == 0 &&
+          real(s, at + 4 * (12 + 2 + 7)) == 1 && real(s, at + 4 * 41) == 0.75);
+    at = chunk(s, "BIND", 0, &size);
+    CHECK(size == 3 * 76 && number(s, at + 76, 4) == 1 && number(s, at + 80, 4) == 1 && number(s, at + 84, 4) == 1 &&
+          real(s, at + 12) == 0.5);
+    at = chunk(s, "JONT", 0, &size);
+    CHECK(size == 2 * 68 && number(s, at + 68, 4) == 1 && real(s, at + 68 + 4 + 52) == -1);
+    at = chunk(s, "DEFM", 0, &size);
+    CHECK(size == 24 && number(s, at, 4) == 3 && number(s, at + 4, 4) == 1 && number(s, at + 12, 4) == 2 &&
+          number(s, at + 16, 4) == 1 && number(s, at + 20, 4) == 1);
+    at = chunk(s, "SHAP", 0, &size);
+    CHECK(size == 320 + 48 && real(s, at + 12) == 1 && number(s, at + 128 + 8, 2) == 1 && real(s, at + 192 + 16) == 0.75 &&
+          real(s, at + 256 + 12) == 0.25 && real(s, at + 320 + 16) == 0.5);
+}
+
 /* Tables of 3 bands at 4 distances; the area emitter's at 7 cosines with m <= 2; the eighth is resolved by two
  * angles. */
 static void check_impulse_tables(void)
@@ -361,5 +391,6 @@ int main(void)
     check_half();
     check_scene();
     check_lit_scene();
+    check_moving_scene();
     return test_end();
 }

@@ -101,7 +101,7 @@ static void test_refusals(void)
            "1: meshes[0].shape: \"radius_m\" does not go with \"box\"; these do: type|size_m");
     refuse("{\"meshes\": [{\"name\": \"a\", \"unit_m\": 2, \"shape\": {\"type\": \"box\"}}]}",
            "1: meshes[0]: \"unit_m\" does not go with \"shape\"; these do: "
-           "name|shape|transform|material|lighting|hidden");
+           "name|shape|transform|material|lighting|hidden|motion");
     refuse("{\"meshes\": [{\"name\": \"a\", \"shape\": {\"type\": \"torus\", \"minor_radius_m\": 0.5}}]}",
            "1: meshes[0].shape: minor_radius_m 0.5 is not below major_radius_m 0.35; the torus would run "
            "into itself");

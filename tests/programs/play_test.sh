@@ -69,6 +69,31 @@ run 0 "$bin/airlight-compare" "$work/a.exr" "$work/mean.exr" --fail-above relati
 run 0 play --frames 1 --accumulate --out "$work/b.exr"
 same "$work/a.exr" "$work/b.exr"
 
+# What moves: frame i shows time i / fps, begun anew after the last key; a camera that moves is followed.
+cat >"$work/moving.json" <<'JSON'
+{
+  "meshes": [{"name": "box", "shape": {"type": "box", "size_m": [1, 0.2, 0.2]}, "motion": [
+    {"time_s": 0}, {"time_s": 1, "rotate_degrees": [0, 0, 90]}, {"time_s": 2, "rotate_degrees": [0, 0, 180]}]}],
+  "lights": [{"type": "point", "position_m": [0, 2, 2], "intensity_w_sr": 9}],
+  "cameras": [
+    {"name": "still", "position_m": [0, 0, 3], "target_m": [0, 0, 0]},
+    {"name": "rail", "position_m": [0, 0, 3], "target_m": [0, 0, 0],
+     "motion": [{"time_s": 0}, {"time_s": 2, "translate_m": [1, 0, 0]}]}]
+}
+JSON
+run 0 "$bin/airlight-bake" "$work/moving.json" -o "$work/moving" --quiet
+for camera in still rail; do
+    run 0 "$bin/airlight-play" "$work/moving" --headless --size 48x32 --camera $camera --frames 9 --fps 4 \
+        --out "$work/$camera%04d.exr"
+done
+differs "$work/still0000.exr" "$work/still0002.exr"
+same "$work/still0000.exr" "$work/still0008.exr"
+same "$work/rail0000.exr" "$work/rail0008.exr"
+same "$work/still0000.exr" "$work/rail0000.exr"
+differs "$work/still0004.exr" "$work/rail0004.exr"
+run 0 "$bin/airlight-play" "$work/moving" --headless --size 48x32 --frames 2 --fps 1 --out "$work/b.exr"
+same "$work/still0004.exr" "$work/b.exr"
+
 # Report fields.
 for field in passes name ms_median ms_min ms_max frame_ms_median memory_bytes surfels samples width height \
     gl_renderer plan step needed why seconds bytes first_picture_ms last_sample_ms; do

@@ -9,6 +9,7 @@
 #include <stdbool.h>
 
 #include "airlight/container.h"
+#include "airlight/motion.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -139,6 +140,7 @@ typedef struct al_scene {
     uint32_t fog_count;
     al_fog *fogs;
     al_baked_light baked;
+    al_motion motion; /* what moves: motion.h; the rest of the scene is as at time 0 */
     void *storage; /* private: what al_scene_free frees */
 } al_scene;
 

@@ -31,6 +31,16 @@ typedef struct al_shape_description { /* centred on the origin; which fields cou
     uint32_t major_segments, minor_segments;
 } al_shape_description;
 
+typedef struct al_motion_key_description { /* scaled, turned as al_mesh_description.transform, moved */
+    double time_s, translate_m[3], rotate_degrees[3], scale[3];
+} al_motion_key_description;
+
+typedef struct al_motion_description { /* keys of something that moves; count 0: it stands still */
+    uint32_t count;
+    al_motion_key_description *keys; /* times rise, from 0 */
+    int line;
+} al_motion_description;
+
 typedef struct al_mesh_description {
     char *name;
     char *file;          /* "" for a shape */
@@ -42,6 +52,8 @@ typedef struct al_mesh_description {
     char *material;      /* overrides every material of the file when not "" */
     bool hidden;         /* imported only as a boundary, blocker or light of others */
     bool import_lights, import_cameras; /* those in the file */
+    char *animation; /* the only one of the file's to take; "": all of them */
+    al_motion_description motion;
     al_lighting lighting;
 } al_mesh_description;
 
@@ -136,7 +148,9 @@ typedef struct al_scene_description {
     al_mesh_description *meshes;
     al_material *materials; /* textures are AL_NO_INDEX here */
     al_light *lights;
+    al_motion_description *light_motions; /* [light_count] */
     al_camera *cameras;
+    al_motion_description *camera_motions; /* [camera_count] */
     al_medium_description *media;
     al_translucent_description *translucents;
     al_environment_description environment;

@@ -1,9 +1,10 @@
 /* airlight's OpenGL 4.5 runtime. The host owns the context, the window and the final targets.
  *
- * It does not: create contexts, open windows, load anything but baked folders, animate the host's camera.
+ * It does not: create contexts, open windows, load anything but baked folders, follow a camera that moves.
  *   1. Make a core 4.5 context current; al_runtime_create.
  *   2. al_runtime_load starts a loader thread; it never touches GL.
- *   3. Every frame: al_runtime_update uploads what has arrived, al_runtime_draw draws.
+ *   3. Every frame: al_runtime_update uploads what has arrived, al_runtime_set_time says which time is shown,
+ *      al_runtime_draw draws.
  * GL state: al_runtime_draw changes program, vertex array, framebuffer, viewport, blend, depth, cull,
  * texture, image and buffer bindings, clip control, depth range, pixel unpacking and sampler bindings, and
  * restores none but the framebuffer bindings and the viewport (al_runtime_load and _update restore nothing):
@@ -50,6 +51,16 @@ al_status al_runtime_update(al_runtime *runtime, uint64_t byte_budget, al_load_s
 /* The loaded scene; lights, instances' world matrices and play settings may be changed between frames.
  * NULL before a load. Valid until the next load. */
 al_scene *al_runtime_scene(al_runtime *runtime);
+
+/* Shows the scene as it is at `seconds` after its start from the next frame on: instances, lights and cameras that
+ * move get their places in al_runtime_scene, overwriting what was changed there. Begins anew after
+ * al_runtime_duration_s; any finite number is allowed, others and calls before a load do nothing. A loaded scene is
+ * at 0. */
+void al_runtime_set_time(al_runtime *runtime, double seconds);
+/* Time of the last key; 0: nothing moves. */
+double al_runtime_duration_s(const al_runtime *runtime);
+/* World box of what can be seen, at the time shown; never too small. False: there is nothing. */
+bool al_runtime_bounds(const al_runtime *runtime, float low[3], float high[3]);
 
 typedef enum al_view_leg {
     AL_VIEW_LEG_MARCHED = 0, /* transmittance towards the eye from a transmittance interval map */
