@@ -62,6 +62,21 @@ void al_surface_albedo(const al_surface_colors *colors, const al_material *mater
     for (int c = 0; c < 3; c++) albedo[c] *= texel[c];
 }
 
+void al_surface_gloss(const al_surface_colors *colors, const al_material *material, const double uv[2],
+                      double f0[3], double *roughness)
+{
+    double texel[3] = {1, 1, 1}, metallic = material->metallic,
+           part = (material->ior - 1.0) / (material->ior + 1.0);
+    if (material->metallic_roughness_texture != AL_NO_INDEX)
+        look_up(colors, material->metallic_roughness_texture, uv, texel);
+    metallic *= texel[2]; /* glTF 2.0: metalness is the blue channel, roughness the green one */
+    *roughness = material->roughness * texel[1];
+    texel[0] = texel[1] = texel[2] = 1;
+    if (material->base_color_texture != AL_NO_INDEX) look_up(colors, material->base_color_texture, uv, texel);
+    for (int c = 0; c < 3; c++)
+        f0[c] = (1 - metallic) * part * part + metallic * material->base_color[c] * texel[c];
+}
+
 static bool is_dark(const al_material *material)
 {
     const float *e = material->emission_w_m2_sr;

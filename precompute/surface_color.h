@@ -15,6 +15,10 @@ al_surface_colors al_surface_colors_of(const al_scene *scene);
 /* Of the Lambert part: base colour times 1 - metallic. Metals have none: their light is mirrored. */
 void al_surface_albedo(const al_surface_colors *colors, const al_material *material, const double uv[2],
                        double albedo[3]);
+/* Of the mirrored part: reflectance along the normal, glTF's mix of the dielectric's and the base colour, and
+ * roughness. */
+void al_surface_gloss(const al_surface_colors *colors, const al_material *material, const double uv[2],
+                      double f0[3], double *roughness);
 void al_surface_emission(const al_surface_colors *colors, const al_material *material, const double uv[2],
                          double emission_w_m2_sr[3]);
 /* The emission's mean over the whole texture. */

@@ -1,8 +1,7 @@
 #!/bin/sh
 # Holds airlight-reference against every file of the independent renderer's room that it can be asked for, and against all
-# orders in its objects: the figures of docs/accuracy.md, "Ground truth". Usage: ground_truth.sh [SAMPLES
-# [SAMPLES_PER_PIXEL]], after
-# a build. Exit 1 when one of them is not within noise.
+# orders in its objects: the figures of docs/accuracy.md, "Ground truth". Usage:
+# ground_truth.sh [SAMPLES [SAMPLES_PER_PIXEL]], after a build. Exit 1 when one of them is not within noise.
 samples=${1:-65536} pixel_samples=${2:-256}
 top=$(cd "$(dirname "$0")/.." && pwd)
 build=${AIRLIGHT_BUILD:-$top/build} shared=${AIRLIGHT_SHARED:-$top/../shared} failed=0
@@ -24,14 +23,15 @@ picture() {
 }
 picture room_point_grid view_point_grid_total 128x128
 for object in sphere torus scan scan_smoke layers; do picture object_$object object_${object}_all 192x192; done
-# An eye ray of surface-to-volume carries 32 paths.
-for fog in mid grid; do
-    for what in direct surface_to_volume surface_to_volume_unattenuated_second_leg; do
-        truth=view_point_${fog}_$what
-        case $what in direct) spp=$pixel_samples ;; *) spp=$(((pixel_samples + 7) / 8)) ;; esac
-        [ -f "$shared/reference/$truth.exr" ] || continue
-        echo "$truth:"
-        sh "$top/tests/reference/view.sh" "$build/bin" "$build/tests/scenes" "$shared" "$truth" "$spp" || failed=1
-    done
+# An eye ray of the modes beyond direct light carries 32 paths.
+for truth in "$shared"/reference/view_*[a-z0-9].exr; do
+    name=$(basename "$truth" .exr)
+    case $name in
+    *.error | *_total) continue ;;
+    *_direct | *ambient*) spp=$pixel_samples ;;
+    *) spp=$(((pixel_samples + 7) / 8)) ;;
+    esac
+    echo "$name:"
+    sh "$top/tests/reference/view.sh" "$build/bin" "$build/tests/scenes" "$shared" "$name" "$spp" || failed=1
 done
 exit $failed

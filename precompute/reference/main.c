@@ -12,7 +12,7 @@
 #include "render.h"
 
 static const al_mode *const modes[] = {&al_mode_single_scatter, &al_mode_surface_to_volume,
-                                       &al_mode_volume_path};
+                                       &al_mode_volume_path, &al_mode_ambient_occlusion, &al_mode_indirect};
 enum { MODE_COUNT = sizeof modes / sizeof *modes };
 
 typedef struct arguments {
@@ -21,6 +21,7 @@ typedef struct arguments {
     int size[2], samples, threads;
     int min_events, max_events, max_bounces; /* -1: not given */
     bool no_visibility, no_attenuation;
+    double radius_m;
 } arguments;
 
 static al_status find_mode(const char *name, const al_mode **mode, al_error *error)
@@ -45,10 +46,14 @@ static al_status check_usage(const arguments *given, const al_mode *mode, al_err
         return al_fail(error, AL_USAGE,
                        "--min-events, --max-events and --max-bounces go with --mode volume-path, not %s",
                        mode->name);
-    if ((given->no_visibility || given->no_attenuation) && mode != &al_mode_surface_to_volume)
+    if ((given->no_visibility || given->no_attenuation) && mode != &al_mode_surface_to_volume &&
+        mode != &al_mode_indirect)
         return al_fail(error, AL_USAGE,
-                       "--no-visibility and --no-attenuation go with --mode surface-to-volume, not %s",
+                       "--no-visibility and --no-attenuation go with --mode surface-to-volume and indirect, "
+                       "not %s",
                        mode->name);
+    if (given->radius_m < INFINITY && mode != &al_mode_ambient_occlusion)
+        return al_fail(error, AL_USAGE, "--radius goes with --mode ambient-occlusion, not %s", mode->name);
     if (given->points && !mode->receive)
         return al_fail(error, AL_USAGE, "--points goes with --mode volume-path, not %s", mode->name);
     if (given->stats && !given->points) return al_fail(error, AL_USAGE, "--stats goes with --points");
@@ -189,6 +194,7 @@ static al_mode_options options_of(const arguments *given)
     if (given->max_bounces >= 0) options.max_bounces = (uint32_t)given->max_bounces;
     options.no_visibility = given->no_visibility;
     options.no_attenuation = given->no_attenuation;
+    options.radius_m = given->radius_m;
     return options;
 }
 
@@ -218,8 +224,12 @@ static al_status run(const al_program *program, arguments *given, al_error *erro
 
 int main(int argc, char **argv)
 {
-    arguments given = {
-        .size = {192, 192}, .samples = 64, .min_events = -1, .max_events = -1, .max_bounces = -1};
+    arguments given = {.size = {192, 192},
+                       .samples = 64,
+                       .min_events = -1,
+                       .max_events = -1,
+                       .max_bounces = -1,
+                       .radius_m = INFINITY};
     const al_option options[] = {
         {"--mode", "MODE", AL_OPTION_STRING, &given.mode, "what to compute, see below", 0, 0},
         {"--spp", "N", AL_OPTION_INT, &given.samples, "samples per pixel or point (64)", 2, 100000000},
@@ -240,9 +250,11 @@ int main(int argc, char **argv)
         {"--max-bounces", "N", AL_OPTION_INT, &given.max_bounces,
          "volume-path: reflect off surfaces at most N times; 0: they are black", 0, 1000000000},
         {"--no-visibility", NULL, AL_OPTION_FLAG, &given.no_visibility,
-         "surface-to-volume: no surface stands between the surface and the scattering point", 0, 0},
+         "surface-to-volume, indirect: no surface stands between the surface and what it lights", 0, 0},
         {"--no-attenuation", NULL, AL_OPTION_FLAG, &given.no_attenuation,
-         "surface-to-volume: no medium attenuates between the surface and the scattering point", 0, 0},
+         "surface-to-volume, indirect: no medium attenuates between the surface and what it lights", 0, 0},
+        {"--radius", "M", AL_OPTION_REAL, &given.radius_m,
+         "ambient-occlusion: surfaces farther away than this many metres do not count", 1e-9, 1e9},
         {"--threads", "N", AL_OPTION_INT, &given.threads, "0: one per core (0); changes no bit of the result",
          0, 256},
     };
@@ -268,6 +280,14 @@ int main(int argc, char **argv)
             "                  fogs and translucent objects, homogeneous or not; surfaces are two-sided\n"
             "                  Lambert of base colour times 1 - metallic (what metals mirror is left out);\n"
             "                  point, directional, emissive and environment light\n"
+            "  ambient-occlusion\n"
+            "                  share of the cosine-weighted hemisphere over the surface that is seen which "
+            "meets\n"
+            "                  no surface (within --radius); an eye ray sends 32 rays\n"
+            "  indirect        light of any lamp off one Lambert surface onto the surface that is seen, "
+            "which\n"
+            "                  reflects as in glTF (Lambert and GGX); attenuated and shadowed on all legs;\n"
+            "                  neither direct light nor emission is shown; an eye ray carries 32 paths\n"
             "--points reads a line for each point: x,y,z,nx,ny,nz in metres, the normal of length 1; a line "
             "of\n"
             "names, lines that begin with # and further columns are left out. It writes irradiance in W/m2 "

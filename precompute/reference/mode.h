@@ -2,18 +2,22 @@
 #ifndef AIRLIGHT_MODE_H
 #define AIRLIGHT_MODE_H
 
+#include <math.h>
+
 #include "ray_scene.h"
 
 typedef struct al_mode_options {
     /* volume-path: which paths count, to look at a part of the light alone. */
     uint32_t min_events, max_events; /* scattering events in media */
     uint32_t max_bounces;            /* reflections off surfaces; 0: surfaces are black */
-    /* surface-to-volume: what is left out between the surface and the scattering point. */
+    /* surface-to-volume and indirect: what is left out between the surface and its receiver. */
     bool no_visibility;  /* no surface is in the way */
     bool no_attenuation; /* no medium is */
+    double radius_m;     /* ambient-occlusion: how far surfaces count */
 } al_mode_options;
 
-static const al_mode_options al_mode_defaults = {.max_events = UINT32_MAX, .max_bounces = UINT32_MAX};
+static const al_mode_options al_mode_defaults = {
+    .max_events = UINT32_MAX, .max_bounces = UINT32_MAX, .radius_m = INFINITY};
 
 enum { AL_PROBE_ORDER = 3, AL_PROBE_COUNT = AL_PROBE_ORDER * AL_PROBE_ORDER };
 
@@ -42,6 +46,7 @@ typedef struct al_mode {
                     double (*out)[3]);
 } al_mode;
 
-extern const al_mode al_mode_single_scatter, al_mode_surface_to_volume, al_mode_volume_path;
+extern const al_mode al_mode_ambient_occlusion, al_mode_indirect, al_mode_single_scatter,
+    al_mode_surface_to_volume, al_mode_volume_path;
 
 #endif

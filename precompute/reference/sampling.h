@@ -2,6 +2,7 @@
 #ifndef AIRLIGHT_SAMPLING_H
 #define AIRLIGHT_SAMPLING_H
 
+#include <math.h>
 #include <stdint.h>
 
 typedef struct al_random {
@@ -52,6 +53,17 @@ static inline void al_sample_hypercube(al_random *random, uint32_t count, uint32
             double value = (*point + al_random_real(random)) / count;
             *point = value < below_one ? value : below_one;
         }
+    }
+}
+
+/* Point `index` of Weyl's sequence (multiples of square roots of primes, modulo 1), which fills space evenly,
+ * from a random start: each point is as uniform as that is. At most 16 dimensions. */
+static inline void al_sample_turned(const double *start, uint32_t dimensions, uint32_t index, double *point)
+{
+    static const double primes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53};
+    for (uint32_t d = 0; d < dimensions; d++) {
+        double turned = start[d] + index * sqrt(primes[d]);
+        point[d] = fmin(turned - floor(turned), 0x1.fffffffffffffp-1);
     }
 }
 

@@ -33,15 +33,17 @@ bounce="--mode surface-to-volume"
 
 expect 0 'single-scatter' --help
 expect 2 '--mode is missing: one of single-scatter' scene.json -o a.exr
-expect 2 "'sideways' is not a mode: one of single-scatter, surface-to-volume, volume-path" scene.json --mode sideways -o a.exr
+expect 2 "'sideways' is not a mode: one of single-scatter, surface-to-volume, volume-path, ambient-occlusion, indirect" scene.json --mode sideways -o a.exr
 expect 2 '-o is missing' scene.json $single
 expect 2 'ends in .exr' scene.json $single -o a.png
 expect 2 'ends in .exr' scene.json $single -o .exr
 expect 2 '--spp' scene.json $single -o a.exr --spp 1
 expect 2 '--points goes with' scene.json $single -o a.csv --points none.csv
 expect 2 '--max-bounces go with' scene.json $single -o a.exr --max-bounces 2
-expect 2 '--no-attenuation go with --mode surface-to-volume' scene.json $path -o a.exr --no-visibility
-expect 2 '--no-attenuation go with --mode surface-to-volume' scene.json $single -o a.exr --no-attenuation
+expect 2 '--no-attenuation go with --mode surface-to-volume and indirect' scene.json $path -o a.exr --no-visibility
+expect 2 '--no-attenuation go with --mode surface-to-volume and indirect' scene.json $single -o a.exr --no-attenuation
+expect 2 '--radius goes with --mode ambient-occlusion' scene.json $bounce -o a.exr --radius 1
+expect 2 '--radius' scene.json --mode ambient-occlusion -o a.exr --radius 0
 expect 2 '--points goes with' scene.json $bounce -o a.csv --points none.csv
 expect 2 '--stats goes with' scene.json $path -o a.exr --stats a.json
 expect 2 'ends in .csv' scene.json $path -o a.exr --points none.csv
@@ -81,10 +83,12 @@ printf '0,0,2,0,0,0\n' > list.csv
 expect 0 '' scene.json $path -o a.csv --points list.csv --spp 2
 check [ "$(wc -l < a.csv)" = 10 ]
 expect 0 '' scene.json $path -o c.exr --size 20x10 --spp 4 --max-events 3 --min-events 1 --max-bounces 0
-expect 0 '' scene.json $bounce -o d.exr --size 20x10 --spp 4 --threads 1 --no-visibility --no-attenuation
-expect 0 '' scene.json $bounce -o e.exr --size 20x10 --spp 4 --threads 3 --no-visibility --no-attenuation
-check cmp d.exr e.exr
-check cmp d.error.exr e.error.exr
+for mode in "$bounce --no-visibility --no-attenuation" "--mode indirect" "--mode ambient-occlusion --radius 0.5"; do
+    expect 0 '' scene.json $mode -o d.exr --size 20x10 --spp 4 --threads 1
+    expect 0 '' scene.json $mode -o e.exr --size 20x10 --spp 4 --threads 3
+    check cmp d.exr e.exr
+    check cmp d.error.exr e.error.exr
+done
 rm d.exr d.error.exr e.exr e.error.exr list.csv a.csv b.csv stats.json c.exr c.error.exr
 
 # Stopped: exit code 130, the old picture stays, nothing else is left.
