@@ -241,6 +241,19 @@ al_status al_medium_read_frame(const al_file *file, const al_medium_info *info, 
     return report.status;
 }
 
+al_status al_medium_read_times(const al_file *file, const al_medium_info *info, float *times_s,
+                               uint32_t *brick_counts, al_error *error)
+{
+    al_report report = {.name = al_file_name(file), .error = error};
+    const uint8_t *records = read_records(file, &frame_record_type, info->frame_count, &report);
+    for (uint32_t i = 0; records && i < info->frame_count; i++) {
+        frame_record frame = decode_frame(records, i);
+        times_s[i] = frame.time_s;
+        brick_counts[i] = frame.brick_count;
+    }
+    return report.status;
+}
+
 /* `chunk` is the PAGE; `index` and `number` are for messages. */
 static void read_page(const al_file *file, size_t chunk, uint32_t index, uint32_t number,
                       al_medium_page *page, al_report *report)

@@ -57,10 +57,14 @@ static al_status make_atlas(al_runtime *runtime, al_error *error)
     for (uint32_t i = 0; i < runtime->scene.fog_count; i++) {
         al_fog_medium *medium = &fogs->media[i];
         if (!medium->present) continue;
-        medium->first_brick = (uint32_t)bricks;
-        medium->first_cell = cells;
-        bricks += medium->frame.brick_count;
-        cells += cell_count(&medium->info);
+        for (uint32_t s = 0; s < al_fog_slot_count(&medium->info); s++) {
+            medium->slots[s].first_brick = (uint32_t)bricks;
+            medium->slots[s].first_cell = cells;
+            bricks += medium->brick_limit;
+            cells += cell_count(&medium->info);
+        }
+        medium->first_brick = medium->slots[medium->shown].first_brick;
+        medium->first_cell = medium->slots[medium->shown].first_cell;
     }
     GLint edge = 0;
     GLint64 block = 0;
@@ -89,17 +93,18 @@ static al_status make_atlas(al_runtime *runtime, al_error *error)
     return AL_OK;
 }
 
-/* The index of bricks, with the atlas's numbers. */
+/* The index of bricks of the frame that comes in, with the atlas's numbers. */
 static al_status upload_cells(const al_fogs *fogs, const al_fog_medium *medium, al_error *error)
 {
+    const al_fog_slot *slot = &medium->slots[medium->incoming];
     uint64_t count = cell_count(&medium->info);
     uint32_t *cells = malloc(count * sizeof *cells);
     if (!cells) return al_fail(error, AL_IO, "no memory for the bricks of a fog");
     for (uint64_t i = 0; i < count; i++) {
-        uint32_t brick = medium->frame.bricks[i];
-        cells[i] = brick == AL_NO_BRICK ? AL_NO_BRICK : brick + medium->first_brick;
+        uint32_t brick = slot->frame.bricks[i];
+        cells[i] = brick == AL_NO_BRICK ? AL_NO_BRICK : brick + slot->first_brick;
     }
-    glNamedBufferSubData(fogs->cells.id, (GLintptr)(medium->first_cell * 4), (GLsizeiptr)(count * 4), cells);
+    glNamedBufferSubData(fogs->cells.id, (GLintptr)(slot->first_cell * 4), (GLsizeiptr)(count * 4), cells);
     free(cells);
     return AL_OK;
 }
@@ -120,23 +125,31 @@ al_status al_fog_accept(al_runtime *runtime, const al_arrival *arrival, uint64_t
     *done = true;
     if (arrival->kind == AL_ARRIVAL_MEDIUM) {
         medium->info = arrival->medium;
-        medium->frame = arrival->frame;
+        medium->times_s = arrival->times_s;
+        medium->brick_limit = arrival->brick_limit;
         medium->present = true;
+        al_fog_begin_frame(medium, 0, &arrival->frame);
+        runtime->moving.length_s = fmax(runtime->moving.length_s, al_fog_length_s(runtime));
         return AL_OK;
     }
     if (medium->failed) return AL_OK;
+    if (arrival->kind == AL_ARRIVAL_FRAME) {
+        al_fog_begin_frame(medium, arrival->frame_index, &arrival->frame);
+        return AL_OK;
+    }
     al_status status = fogs->bricks.id ? AL_OK : make_atlas(runtime, error);
-    if (!status && !medium->loaded) status = upload_cells(fogs, medium, error);
+    al_fog_slot *slot = &medium->slots[medium->incoming];
+    if (!status && !slot->loaded) status = upload_cells(fogs, medium, error);
     if (status) {
         medium->failed = true;
         return status;
     }
     uint64_t at = runtime->arrived, count = al_budget_share(budget, BRICK_BYTES, arrival->bricks.count - at);
     for (uint64_t i = at; i < at + count; i++)
-        upload_brick(fogs, medium->first_brick + arrival->bricks.first + (uint32_t)i,
+        upload_brick(fogs, slot->first_brick + arrival->bricks.first + (uint32_t)i,
                      arrival->bricks.values + i * AL_BRICK_SIZE);
     runtime->arrived += (uint32_t)count;
-    medium->loaded += (uint32_t)count;
+    al_fog_take_bricks(medium, (uint32_t)count);
     *done = runtime->arrived == arrival->bricks.count;
     return AL_OK;
 }

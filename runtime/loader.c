@@ -13,11 +13,16 @@ typedef struct asset {
     al_file *file;
     al_translucent_info info;
     al_medium_info medium;
-    al_medium_frame frame;
+    al_medium_frame frame; /* the one whose pages are read */
+    uint32_t frame_index;
+    float *times_s;
+    uint32_t *brick_counts;
     al_lightmap_info lightmap;
     al_lightmap_instance *instances;
     uint32_t next_page, page_count;
     bool open; /* pages are still to come */
+    bool asked; /* for the frame `request`; under the lock */
+    uint32_t request;
 } asset;
 
 struct al_loader {
@@ -26,7 +31,7 @@ struct al_loader {
     pthread_t thread;
     bool started;
     pthread_mutex_t lock; /* over what follows */
-    pthread_cond_t room;
+    pthread_cond_t room, work;
     al_arrival queue[QUEUE_LIMIT];
     uint32_t head, count;
     bool stop;
@@ -69,14 +74,35 @@ static void open_object(asset *a, al_arrival *arrival)
     a->page_count = status ? 0 : al_translucent_page_count(&a->info);
 }
 
+/* Begins with a frame: what follows are its pages. */
+static void open_frame(asset *a, uint32_t index, al_arrival_kind kind, al_arrival *arrival)
+{
+    al_status status = al_medium_read_frame(a->file, &a->medium, index, &a->frame, &arrival->error);
+    a->frame_index = arrival->frame_index = index;
+    arrival->frame = a->frame;
+    arrival->kind = status ? AL_ARRIVAL_FAILURE : kind;
+    a->next_page = 0;
+    a->page_count = status ? 0 : al_medium_page_count(&a->medium, &a->frame);
+    a->open = a->page_count > 0;
+}
+
 static void open_medium(asset *a, al_arrival *arrival)
 {
     al_status status = al_medium_read(a->file, &a->medium, &arrival->error);
-    if (!status) status = al_medium_read_frame(a->file, &a->medium, 0, &a->frame, &arrival->error);
+    if (!status) {
+        a->times_s = calloc(a->medium.frame_count, sizeof *a->times_s);
+        a->brick_counts = calloc(a->medium.frame_count, sizeof *a->brick_counts);
+        if (!a->times_s || !a->brick_counts)
+            status = al_fail(&arrival->error, AL_IO, "%s: no memory for its frames", a->path);
+    }
+    if (!status) status = al_medium_read_times(a->file, &a->medium, a->times_s, a->brick_counts, &arrival->error);
+    arrival->kind = AL_ARRIVAL_FAILURE;
+    if (status) return;
+    open_frame(a, 0, AL_ARRIVAL_MEDIUM, arrival);
     arrival->medium = a->medium;
-    arrival->frame = a->frame;
-    arrival->kind = status ? AL_ARRIVAL_FAILURE : AL_ARRIVAL_MEDIUM;
-    a->page_count = status ? 0 : al_medium_page_count(&a->medium, &a->frame);
+    arrival->times_s = a->times_s;
+    for (uint32_t i = 0; i < a->medium.frame_count; i++)
+        if (a->brick_counts[i] > arrival->brick_limit) arrival->brick_limit = a->brick_counts[i];
 }
 
 static void open_lightmap(asset *a, al_arrival *arrival)
@@ -120,7 +146,7 @@ static void read_page(asset *a, al_arrival *arrival)
     al_status status;
     if (a->kind == AL_KIND_MEDIUM) {
         arrival->kind = AL_ARRIVAL_BRICKS;
-        status = al_medium_read_page(a->file, &a->medium, 0, page, &arrival->bricks, &arrival->error);
+        status = al_medium_read_page(a->file, &a->medium, a->frame_index, page, &arrival->bricks, &arrival->error);
     } else if (a->kind == AL_KIND_LIGHTMAP) {
         arrival->kind = AL_ARRIVAL_TEXELS;
         arrival->texels_index = page;
@@ -140,30 +166,72 @@ static void begin_arrival(const asset *a, al_arrival *arrival)
     arrival->object = a->index;
 }
 
-/* First every asset, then their pages in turn, so that all of them show early. */
+/* Pages of all open assets in turn, so that all of them show early; false: stop. */
+static bool hand_out_pages(al_loader *loader)
+{
+    al_arrival *arrival = &loader->scratch;
+    bool any = true;
+    while (any) {
+        any = false;
+        for (uint32_t i = 0; i < loader->asset_count; i++) {
+            if (!loader->assets[i].open) continue;
+            begin_arrival(&loader->assets[i], arrival);
+            read_page(&loader->assets[i], arrival);
+            if (!push(loader, arrival)) return false;
+            any = true;
+        }
+    }
+    return true;
+}
+
+/* Waits until a frame is asked for; NULL: stop. */
+static asset *next_request(al_loader *loader)
+{
+    asset *found = NULL;
+    pthread_mutex_lock(&loader->lock);
+    while (!found && !loader->stop) {
+        for (uint32_t i = 0; i < loader->asset_count && !found; i++)
+            if (loader->assets[i].asked) found = &loader->assets[i];
+        if (!found) pthread_cond_wait(&loader->work, &loader->lock);
+    }
+    if (found) found->asked = false;
+    pthread_mutex_unlock(&loader->lock);
+    return found;
+}
+
+void al_loader_request(al_loader *loader, uint32_t fog, uint32_t frame)
+{
+    pthread_mutex_lock(&loader->lock);
+    for (uint32_t i = 0; i < loader->asset_count; i++) {
+        asset *a = &loader->assets[i];
+        if (a->kind != AL_KIND_MEDIUM || a->index != fog) continue;
+        a->request = frame;
+        a->asked = true;
+    }
+    pthread_cond_signal(&loader->work);
+    pthread_mutex_unlock(&loader->lock);
+}
+
+/* First every asset, then their pages, then the frames that are asked for. */
 static void *run(void *user)
 {
     al_loader *loader = user;
-    bool go_on = true, any = true;
+    bool go_on = true;
     al_arrival *arrival = &loader->scratch;
     for (uint32_t i = 0; i < loader->asset_count && go_on; i++) {
         begin_arrival(&loader->assets[i], arrival);
         open_asset(&loader->assets[i], arrival);
         go_on = push(loader, arrival);
     }
-    while (any && go_on) {
-        any = false;
-        for (uint32_t i = 0; i < loader->asset_count && go_on; i++) {
-            if (!loader->assets[i].open) continue;
-            begin_arrival(&loader->assets[i], arrival);
-            read_page(&loader->assets[i], arrival);
-            go_on = push(loader, arrival);
-            any = true;
-        }
-    }
+    go_on = go_on && hand_out_pages(loader);
     memset(arrival, 0, sizeof *arrival);
     arrival->kind = AL_ARRIVAL_END;
-    if (go_on) push(loader, arrival);
+    go_on = go_on && push(loader, arrival);
+    for (asset *a; go_on && (a = next_request(loader)) != NULL;) {
+        begin_arrival(a, arrival);
+        open_frame(a, a->request, AL_ARRIVAL_FRAME, arrival);
+        go_on = push(loader, arrival) && hand_out_pages(loader);
+    }
     return NULL;
 }
 
@@ -192,6 +260,7 @@ al_status al_loader_create(const char *folder, const al_scene *scene, al_loader 
     if (!made) return al_fail(error, AL_IO, "%s: no memory for the loader", folder);
     pthread_mutex_init(&made->lock, NULL);
     pthread_cond_init(&made->room, NULL);
+    pthread_cond_init(&made->work, NULL);
     made->assets = calloc((size_t)scene->translucent_count + scene->fog_count + 3, sizeof *made->assets);
     bool good = made->assets != NULL;
     for (uint32_t i = 0; i < scene->translucent_count && good; i++)
@@ -217,6 +286,7 @@ void al_loader_free(al_loader *loader)
         pthread_mutex_lock(&loader->lock);
         loader->stop = true;
         pthread_cond_signal(&loader->room);
+        pthread_cond_signal(&loader->work);
         pthread_mutex_unlock(&loader->lock);
         pthread_join(loader->thread, NULL);
     }
@@ -224,9 +294,12 @@ void al_loader_free(al_loader *loader)
         if (loader->assets[i].file) al_file_close(loader->assets[i].file);
         free(loader->assets[i].path);
         free(loader->assets[i].instances);
+        free(loader->assets[i].times_s);
+        free(loader->assets[i].brick_counts);
     }
     free(loader->assets);
     pthread_cond_destroy(&loader->room);
+    pthread_cond_destroy(&loader->work);
     pthread_mutex_destroy(&loader->lock);
     free(loader);
 }

@@ -187,6 +187,7 @@ void al_runtime_set_time(al_runtime *runtime, double seconds)
     double time_s = al_motion_loop_s(seconds, moving->length_s);
     if (moving->placed && time_s == moving->time_s) return;
     moving->time_s = time_s;
+    if (runtime->ended) al_fog_follow(runtime);
     moving->placed = true;
     al_motion_nodes_at(m, time_s, moving->scratch, moving->world);
     al_motion_place(&runtime->scene, (const double(*)[16])moving->world);

@@ -159,6 +159,7 @@ static al_status accept(al_runtime *runtime, uint64_t *budget, bool *done, al_er
     case AL_ARRIVAL_PAGE:
         return al_object_accept(runtime, arrival, budget, done, error);
     case AL_ARRIVAL_MEDIUM:
+    case AL_ARRIVAL_FRAME:
     case AL_ARRIVAL_BRICKS:
         return al_fog_accept(runtime, arrival, budget, done, error);
     case AL_ARRIVAL_LIGHTMAP:
@@ -187,7 +188,7 @@ static void fill_state(const al_runtime *runtime, al_load_state *state)
         bool shows = object->present && (object->loaded || !object->info.sample_count);
         if (!shows && !object->failed) state->ready = false;
     }
-    state->complete = runtime->loaded && runtime->ended && !runtime->arriving;
+    state->complete = runtime->loaded && runtime->ended && !runtime->arriving && al_fog_is_current(runtime);
 }
 
 al_status al_runtime_update(al_runtime *runtime, uint64_t byte_budget, al_load_state *state, al_error *error)
@@ -205,6 +206,7 @@ al_status al_runtime_update(al_runtime *runtime, uint64_t byte_budget, al_load_s
         status = accept(runtime, &left, &done, error);
         if (done) runtime->arriving = false;
     }
+    if (runtime->ended && !status) al_fog_follow(runtime);
     if (state) fill_state(runtime, state);
     return status;
 }

@@ -64,12 +64,27 @@ typedef struct al_fog_block {
 } al_fog_block;
 _Static_assert(sizeof(al_fog_block) == 48 + 8 * (64 + 7 * 16), "std140");
 
+enum { AL_FOG_SLOTS = 3 };
+
+typedef struct al_fog_slot { /* for a frame, in the atlas */
+    al_medium_frame frame;
+    uint32_t index;               /* of the frame */
+    bool filled;                  /* with that frame, as far as it is loaded */
+    uint32_t first_brick, loaded; /* bricks on the GPU */
+    uint64_t first_cell;
+} al_fog_slot;
+
 typedef struct al_fog_medium { /* of one al_scene.fogs whose density varies */
     bool present, failed;
     al_medium_info info;
-    al_medium_frame frame;
+    al_medium_frame frame;        /* the one that is shown, and where its slot is */
     uint32_t first_brick, loaded; /* in the atlas; bricks on the GPU */
     uint64_t first_cell;
+    const float *times_s;      /* [info.frame_count], the loader's */
+    uint32_t brick_limit;      /* of all frames */
+    al_fog_slot slots[AL_FOG_SLOTS];
+    uint32_t shown, incoming;  /* slots; incoming AL_NO_INDEX: nothing is on its way */
+    uint32_t wanted;           /* the frame at the time */
 } al_fog_medium;
 
 typedef struct al_fogs {
@@ -281,6 +296,15 @@ al_status al_fog_accept(al_runtime *runtime, const al_arrival *arrival, uint64_t
                         al_error *error);
 void al_fog_fail(al_runtime *runtime, uint32_t index);
 void al_fog_free(al_runtime *runtime);
+/* fog_frames.c */
+uint32_t al_fog_slot_count(const al_medium_info *info);
+/* A frame comes into the slot `incoming`: what it is, then its bricks. */
+void al_fog_begin_frame(al_fog_medium *medium, uint32_t index, const al_medium_frame *frame);
+void al_fog_take_bricks(al_fog_medium *medium, uint32_t count);
+/* Shows the frames at the time where they have arrived, and asks the loader for the next ones. */
+void al_fog_follow(al_runtime *runtime);
+bool al_fog_is_current(const al_runtime *runtime); /* every sequence shows its frame at the time */
+double al_fog_length_s(const al_runtime *runtime); /* of the longest sequence that has arrived, 0: none */
 /* Chooses what the frame draws and binds it for every pass. */
 void al_fog_prepare(al_draw *draw);
 const char *al_fog_define(const al_draw *draw); /* of shaders that attenuate light by the fogs; "" without */

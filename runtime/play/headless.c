@@ -102,6 +102,12 @@ static al_status show_frame_time(session *s, al_error *error)
     al_runtime_set_time(s->runtime, s->frame / s->options->fps);
     if (!(al_runtime_duration_s(s->runtime) > 0)) return AL_OK;
     al_status status = look_at_scene(s, error);
+    al_load_state state = {0};
+    while (!status && !state.complete) { /* frames of density sequences, so that every run shows the same */
+        if (al_program_cancelled()) return cancelled(error);
+        status = al_runtime_update(s->runtime, 0, &state, error);
+        if (!status && !state.complete) pause_ms(0.2);
+    }
     al_runtime_bounds(s->runtime, s->bounds.low, s->bounds.high);
     return status;
 }

@@ -61,6 +61,9 @@ void al_medium_cells(const al_medium_info *info, uint32_t cells[3]);
 /* Verifies and answers a frame's index of bricks; `index` below frame_count. */
 al_status al_medium_read_frame(const al_file *file, const al_medium_info *info, uint32_t index,
                                al_medium_frame *frame, al_error *error);
+/* Times and numbers of bricks of all frames, [frame_count] each. */
+al_status al_medium_read_times(const al_file *file, const al_medium_info *info, float *times_s,
+                               uint32_t *brick_counts, al_error *error);
 uint32_t al_medium_page_count(const al_medium_info *info, const al_medium_frame *frame);
 /* Verifies and answers page `page` of frame `index`. */
 al_status al_medium_read_page(const al_file *file, const al_medium_info *info, uint32_t index, uint32_t page,

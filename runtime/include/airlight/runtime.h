@@ -41,7 +41,7 @@ al_status al_runtime_load(al_runtime *runtime, const char *folder, al_error *err
 typedef struct al_load_state {
     uint64_t samples_loaded, samples_total; /* of all translucent objects */
     bool ready;                             /* something can be drawn */
-    bool complete;
+    bool complete; /* and every density sequence shows its frame at the time of al_runtime_set_time */
 } al_load_state;
 
 /* Uploads what has arrived, at most `byte_budget` bytes (0: no limit), but at least one sample or one slice
@@ -55,9 +55,11 @@ al_scene *al_runtime_scene(al_runtime *runtime);
 /* Shows the scene as it is at `seconds` after its start from the next frame on: instances, lights and cameras that
  * move get their places in al_runtime_scene, overwriting what was changed there. Begins anew after
  * al_runtime_duration_s; any finite number is allowed, others and calls before a load do nothing. A loaded scene is
- * at 0. */
+ * at 0. Of a density sequence the nearest frame is shown, from the next al_runtime_update that finds it loaded on: frames
+ * are streamed, two ahead, and never waited for; al_load_state.complete says when they are there. */
 void al_runtime_set_time(al_runtime *runtime, double seconds);
-/* Time of the last key; 0: nothing moves. */
+/* Time of the last key, or end of the longest density sequence where that is later, once it has arrived; 0: nothing
+ * moves. */
 double al_runtime_duration_s(const al_runtime *runtime);
 /* World box of what can be seen, at the time shown; never too small. False: there is nothing. */
 bool al_runtime_bounds(const al_runtime *runtime, float low[3], float high[3]);
