@@ -1,10 +1,11 @@
-/* The view-dependent surfel cloud (Nalbach, Ritschel and Seidel 2014, with the surfelization of their 2015 paper):
- * huge triangles are split, triangles become fine surfels, and fine surfels are thinned to the wanted size, all on
- * the GPU by tessellation and transform feedback. shaders/surfel*.* hold the steps.
+/* The view-dependent surfel cloud (Nalbach, Ritschel and Seidel 2014, with the surfelization of their 2015
+ * paper): huge triangles are split, triangles become fine surfels, and fine surfels are thinned to the wanted
+ * size, all on the GPU by tessellation and transform feedback. shaders/surfel*.* hold the steps.
  *
- * How many surfels there will be is known only when they are there. The buffer starts from the expected number
- * (surfel_count.c); the first frame, and one after a cut, waits for the count and goes again when there was no room.
- * Later frames look at counts that have come back, without waiting, and make room for the next frame. */
+ * How many surfels there will be is known only when they are there. The buffer starts from the expected
+ * number (surfel_count.c); the first frame, and one after a cut, waits for the count and goes again when
+ * there was no room. Later frames look at counts that have come back, without waiting, and make room for the
+ * next frame. */
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
@@ -24,8 +25,8 @@ static void cross(const float a[3], const float b[3], double out[3])
     }
 }
 
-/* The wanted area: a disc of so many pixels. A pixel is the parallelogram of the steps of the view's rays in x and
- * y: on the plane at 1 m for a perspective view, whose ray directions end on one plane. */
+/* The wanted area: a disc of so many pixels. A pixel is the parallelogram of the steps of the view's rays in
+ * x and y: on the plane at 1 m for a perspective view, whose ray directions end on one plane. */
 static al_surfel_rule make_rule(const al_draw *draw)
 {
     const float(*ray)[4] = draw->block.ray;
@@ -193,15 +194,16 @@ typedef struct programs {
 static al_status get_programs(al_draw *draw, programs *p)
 {
     al_shaders *shaders = draw->runtime->shaders;
-    al_status status = al_shaders_get(shaders, "surfel.vert surfel.tesc surfel.tese surfel.geom", "",
-                                      &p->fine, draw->error);
+    al_status status =
+        al_shaders_get(shaders, "surfel.vert surfel.tesc surfel.tese surfel.geom", "", &p->fine, draw->error);
     if (status) return status;
-    return al_shaders_get(shaders, "surfel.vert surfel_split.tesc surfel_split.tese surfel_split.geom", "", &p->split,
-                          draw->error);
+    return al_shaders_get(shaders, "surfel.vert surfel_split.tesc surfel_split.tese surfel_split.geom", "",
+                          &p->split, draw->error);
 }
 
-/* Whether some triangle of the instance may have to be split: a bound by the mesh's longest edge and its box of what
- * surfel_size.glsl asks of each triangle, whose area is at most sqrt(3)/4 of its longest edge's square. */
+/* Whether some triangle of the instance may have to be split: a bound by the mesh's longest edge and its box
+ * of what surfel_size.glsl asks of each triangle, whose area is at most sqrt(3)/4 of its longest edge's
+ * square. */
 static bool may_be_huge(const al_runtime *runtime, const al_instance *instance, const al_surfel_rule *rule)
 {
     const double most = 48; /* points at the highest level */
@@ -220,6 +222,15 @@ static bool may_be_huge(const al_runtime *runtime, const al_instance *instance, 
     return edge > 0.999 * away || area > 0.999 * most * rule->area * away * away;
 }
 
+static bool any_huge(const al_runtime *runtime)
+{
+    bool huge = false;
+    for (uint32_t i = 0; i < runtime->scene.instance_count && !huge; i++)
+        huge = sends(runtime, &runtime->scene.instances[i]) &&
+               may_be_huge(runtime, &runtime->scene.instances[i], &runtime->surfels.rule);
+    return huge;
+}
+
 static void set_rule(GLuint program, const al_surfel_rule *rule)
 {
     glProgramUniform2f(program, 6, (float)rule->area, (float)rule->nearest_m);
@@ -228,7 +239,7 @@ static void set_rule(GLuint program, const al_surfel_rule *rule)
 /* Triangles on their way: of the scene, or what a round of splitting made of them. */
 typedef struct input {
     const float *world;
-    GLint choice[3]; /* instance; 1 for parts; -1 where it mirrors, else 1 */
+    GLint choice[3];               /* instance; 1 for parts; -1 where it mirrors, else 1 */
     GLuint vertex_array, feedback; /* feedback: that captured them; 0: the range of indices of `part` */
     const al_submesh *part;
 } input;
@@ -245,7 +256,8 @@ static void draw_input(const input *in)
                        (const void *)((uintptr_t)in->part->first_index * sizeof(uint32_t)));
 }
 
-/* The cloud's capture waits while the huge triangles among `in` are split; they are then to be gone on with. */
+/* The cloud's capture waits while the huge triangles among `in` are split; they are then to be gone on with.
+ */
 static void split(al_draw *draw, const programs *p, int round, input *in)
 {
     static const float identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
@@ -317,9 +329,9 @@ static void capture(al_draw *draw, const programs *p)
     count->pending = true;
 }
 
-/* Whether there may be many more surfels than in the frame before, `rule` its rule: they are finer, or the eye has moved
- * by more than half of its distance to the box of all opaque instances (or, nearer than that, a twentieth of the box), as
- * it does when the view changes to another camera. */
+/* Whether there may be many more surfels than in the frame before, `rule` its rule: they are finer, or the
+ * eye has moved by more than half of its distance to the box of all opaque instances (or, nearer than that, a
+ * twentieth of the box), as it does when the view changes to another camera. */
 static bool is_cut(const al_draw *draw, const al_surfel_rule *before)
 {
     const al_runtime *runtime = draw->runtime;
@@ -355,16 +367,16 @@ static al_status make_cloud(al_draw *draw)
     update_rule(draw);
     bool settled = s->cloud.id && !is_cut(draw, &before);
     if (!status && !settled) status = start(draw);
-    if (!status && !s->parts[0].id) status = resize_parts(draw, FIRST_VERTICES);
     if (!status) status = get_programs(draw, &p);
-    if (status) return status;
-    capture(draw, &p);
-    for (int attempt = 1; !settled && attempt < ATTEMPTS && !status; attempt++) {
+    for (int attempt = 0; attempt < ATTEMPTS && !status; attempt++) {
         bool short_of = false;
-        status = take_count(draw, &s->ring[s->current], &short_of);
-        if (status || !short_of) break;
-        update_rule(draw);
+        if (!s->parts[0].id && any_huge(draw->runtime)) status = resize_parts(draw, FIRST_VERTICES);
+        if (status) break;
         capture(draw, &p);
+        if (settled) break;
+        status = take_count(draw, &s->ring[s->current], &short_of);
+        if (!short_of) break;
+        update_rule(draw);
     }
     return status;
 }

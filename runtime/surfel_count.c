@@ -1,15 +1,14 @@
 /* How many surfels a scene becomes.
  *
- * A triangle of area |T| becomes n fine surfels of area A = |T|/n, each somewhere on it, evenly, and kept with
- * probability min(1, A/A*(x)). The expected number is
- *   n / |T| integral over T of min(1, A/A*(x)) dx = integral over T of dx / max(A, A*(x)),
- * which is the integral of dx / A*(x), as A is chosen no larger than A* at the triangle's nearest point. (Where
- * not even a split triangle can be cut as finely as that, there are fewer.) Were they kept or not independently, the
- * variance would be the sum of p (1 - p), at most the expected number; random numbers that are even over each triangle
- * leave less.
+ * A triangle of area |T| becomes n fine surfels of area A = |T|/n, each somewhere on it, evenly, and kept
+ * with probability min(1, A/A*(x)). The expected number is n / |T| integral over T of min(1, A/A*(x)) dx =
+ * integral over T of dx / max(A, A*(x)), which is the integral of dx / A*(x), as A is chosen no larger than
+ * A* at the triangle's nearest point. (Where not even a split triangle can be cut as finely as that, there
+ * are fewer.) Were they kept or not independently, the variance would be the sum of p (1 - p), at most the
+ * expected number; random numbers that are even over each triangle leave less.
  *
- * The integral, of 1 / (A1 max(d, d0)^2), is summed over parts of triangles that are small beside their distance,
- * each by the midpoints of its edges, exact for quadratics. */
+ * The integral, of 1 / (A1 max(d, d0)^2), is summed over parts of triangles that are small beside their
+ * distance, each by the midpoints of its edges, exact for quadratics. */
 #include <math.h>
 #include <string.h>
 
@@ -27,7 +26,8 @@ static double area_of(double t[3][3])
 {
     double u[3], v[3], sum = 0;
     for (int k = 0; k < 3; k++) u[k] = t[1][k] - t[0][k], v[k] = t[2][k] - t[0][k];
-    for (int k = 0; k < 3; k++) sum += pow(u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3], 2);
+    for (int k = 0; k < 3; k++)
+        sum += pow(u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3], 2);
     return 0.5 * sqrt(sum);
 }
 

@@ -3,8 +3,8 @@
 
 enum { GROUP = 64 };
 
-/* One thread for each surfel there is room for, so that nobody waits to know how many there are; the buffer is little
- * larger than the cloud. */
+/* One thread for each surfel there is room for, so that nobody waits to know how many there are; the buffer
+ * is little larger than the cloud. */
 al_status al_surfels_light(al_draw *draw)
 {
     al_runtime *runtime = draw->runtime;

@@ -55,7 +55,8 @@ static void use_triangles(sphere_scene *s, const triangles *t)
 
 static void add_triangle(triangles *t, const float a[3], const float b[3], const float c[3])
 {
-    if (!(t->count & (t->count + 1))) t->corners = realloc(t->corners, 2 * (t->count + 1) * sizeof *t->corners);
+    if (!(t->count & (t->count + 1)))
+        t->corners = realloc(t->corners, 2 * (t->count + 1) * sizeof *t->corners);
     memcpy(t->corners[t->count][0], a, 12);
     memcpy(t->corners[t->count][1], b, 12);
     memcpy(t->corners[t->count++][2], c, 12);
@@ -170,10 +171,10 @@ static cloud draw_cloud(al_runtime *runtime, const al_view *view, const al_setti
 
 /* --- areas and counts --- */
 
-/* A kept surfel's area is max(A, A*), kept with probability p = min(1, A/A*): mean A, variance A max(A, A*) - A^2. They
- * are independent, so the variance of the sum is below the mean of the sum of kept areas' squares, which the cloud
- * itself estimates; the count's is at most the expected count. Four standard deviations of each; and they must
- * be small enough that 1 % would be seen. */
+/* A kept surfel's area is max(A, A*), kept with probability p = min(1, A/A*): mean A, variance A max(A, A*) -
+ * A^2. They are independent, so the variance of the sum is below the mean of the sum of kept areas' squares,
+ * which the cloud itself estimates; the count's is at most the expected count. Four standard deviations of
+ * each; and they must be small enough that 1 % would be seen. */
 static void test_areas(const char *name, const triangles *t, const al_view *view, float pixels)
 {
     al_runtime *runtime = open_scene(t, NULL, 0, 0);
@@ -181,8 +182,9 @@ static void test_areas(const char *name, const triangles *t, const al_view *view
     cloud c = draw_cloud(runtime, view, &settings);
     double wanted = total_area(t), deviation = sqrt(c.squares),
            expected = al_surfels_expected(al_runtime_scene(runtime), &runtime->surfels.rule);
-    printf("%s: %u triangles, %u surfels of %.0f expected, area %.5f of %.5f (%+.2f %%, deviation %.2f %%)\n", name,
-           t->count, c.count, expected, c.area, wanted, 100 * (c.area / wanted - 1), 100 * deviation / wanted);
+    printf("%s: %u triangles, %u surfels of %.0f expected, area %.5f of %.5f (%+.2f %%, deviation %.2f %%)\n",
+           name, t->count, c.count, expected, c.area, wanted, 100 * (c.area / wanted - 1),
+           100 * deviation / wanted);
     CHECK(4 * deviation < 0.01 * wanted);
     CHECK_NEAR(c.area, wanted, 0.01 * wanted);
     CHECK_NEAR(c.area, wanted, 4 * deviation);
@@ -191,8 +193,8 @@ static void test_areas(const char *name, const triangles *t, const al_view *view
     al_runtime_destroy(runtime);
 }
 
-/* From inside a box of two triangles a side, of very small ones, and of needles 2 m long and 1 mm wide; of each
- * side, one half shows its back. */
+/* From inside a box of two triangles a side, of very small ones, and of needles 2 m long and 1 mm wide; of
+ * each side, one half shows its back. */
 static void test_shapes(void)
 {
     triangles huge = {0}, tiny = {0}, thin = {0};
@@ -222,8 +224,9 @@ static al_view front_view(void)
 
 static const al_settings shown = {.pass = AL_PASS_SURFELS, .surfel_pixels = 1};
 
-/* Seen orthographically one triangle wants the same area everywhere: of c surfels' worth, the integers next to c are
- * kept, whatever the level. That is so only if each point of the tessellator's pattern gets a number of its own. */
+/* Seen orthographically one triangle wants the same area everywhere: of c surfels' worth, the integers next
+ * to c are kept, whatever the level. That is so only if each point of the tessellator's pattern gets a number
+ * of its own. */
 static void test_numbers(void)
 {
     triangles t = {0};
@@ -243,9 +246,9 @@ static void test_numbers(void)
     free(t.corners);
 }
 
-/* Places are even over a triangle: the mean of n is its middle, within four standard errors of a coordinate whose
- * variance over the triangle is (sum of squares of the corners' offsets from the middle) / 12; and as many lie in each
- * of its four halves-by-halves. */
+/* Places are even over a triangle: the mean of n is its middle, within four standard errors of a coordinate
+ * whose variance over the triangle is (sum of squares of the corners' offsets from the middle) / 12; and as
+ * many lie in each of its four halves-by-halves. */
 static void test_places(void)
 {
     const float corners[3][3] = {{-1, -1, 0}, {1, -1, 0}, {0.3f, 0.8f, 0.4f}};
@@ -306,9 +309,9 @@ static triangles make_floor(void)
     return t;
 }
 
-/* How far from the closed form, relative to it, the light is: a lamp at (0, 1, 0), fog of c + 1 tenths per metre in
- * channel c, albedo 1: L = I cos / (pi d^2) exp(-sigma d) above, nothing below and in the shadow, whose rim is as wide
- * as a few texels of the shadow map. */
+/* How far from the closed form, relative to it, the light is: a lamp at (0, 1, 0), fog of c + 1 tenths per
+ * metre in channel c, albedo 1: L = I cos / (pi d^2) exp(-sigma d) above, nothing below and in the shadow,
+ * whose rim is as wide as a few texels of the shadow map. */
 static void test_point(void)
 {
     const double intensity = 7;
@@ -342,7 +345,8 @@ static void test_point(void)
     free(t.corners);
 }
 
-/* Directional light from below on backs, a metal, emission from one side and from both, a mirrored instance. */
+/* Directional light from below on backs, a metal, emission from one side and from both, a mirrored instance.
+ */
 static void test_sides(void)
 {
     const float down[3] = {0, -0.6f, 0.8f}, up[3] = {0, 1, 0};
@@ -379,8 +383,44 @@ static void test_sides(void)
     free(t.corners);
 }
 
-/* A texture: squares of albedo 0 and 0.8, one texel each, seen from where a surfel covers many: the mean, and each
- * between the extremes. */
+/* Under the middle of a translucent sphere of radius 0.5 m and 2 per metre, a floor gets exp(-2) of the sun;
+ * beside it all. Within what casters' marches through 64 voxels give: a step of 1/64 m at each end, and the
+ * chord falls by 0.3 % towards 4 cm from the middle. */
+static void test_caster(void)
+{
+    triangles t = {0};
+    sphere_scene s;
+    al_runtime *runtime = NULL;
+    al_error error = {0};
+    add_square(&t, (float[3]){-1, 0, -1}, (float[3]){0, 0, 2}, (float[3]){2, 0, 0}, 1);
+    sphere_scene_begin(&s);
+    s.scene.baked = (al_baked_light){"", ""};
+    CHECK(sphere_write_asset(folder, "sphere.air", &(sphere_options){.radius = 0.5f, .samples = 500}));
+    sphere_scene_add(&s, "sphere.air", 0.5f, (float[3]){0, 1, 0});
+    use_triangles(&s, &t);
+    sphere_scene_add_floor(&s, 1, (float[3]){0, 0, 0});
+    sphere_scene_add_light(&s, AL_LIGHT_DIRECTIONAL, (float[3]){0, -1, 0}, (float)AL_PI);
+    CHECK(sphere_scene_write(folder, &s));
+    sphere_scene_end(&s);
+    CHECK(al_runtime_create(NULL, &runtime, &error) == AL_OK && stage_load(runtime, folder));
+    al_view view = stage_look(800, 600, (float[3]){0, 1, 4}, (float[3]){0, 0, 0}, 0.7f);
+    cloud c = draw_cloud(runtime, &view, &shown);
+    int under = 0;
+    for (uint32_t i = 0; i < c.count; i++) {
+        double away = hypot(c.surfels[i].place[0], c.surfels[i].place[2]);
+        if (away > 0.04 && away < 0.55) continue;
+        CHECK_NEAR(c.surfels[i].front[0] / (away < 0.04 ? exp(-2) : 1), 1,
+                   away < 0.04 ? 4.0 / 64 + 0.01 : 1e-6);
+        under += away < 0.04;
+    }
+    CHECK(under > 10);
+    free(c.surfels);
+    al_runtime_destroy(runtime);
+    free(t.corners);
+}
+
+/* A texture: squares of albedo 0 and 0.8, one texel each, seen from where a surfel covers many: the mean, and
+ * each between the extremes. */
 static void test_texture(void)
 {
     enum { TEXELS = 256 };
@@ -424,9 +464,9 @@ static void test_texture(void)
 
 /* --- room and extremes --- */
 
-/* The camera comes closer, in steps too small for a cut: a frame shows no more than the buffer holds, and a few frames
- * later all. After a cut that is so at once. Then more than the limit: surfels get larger, and small again without it.
- * Areas stay right. */
+/* The camera comes closer, in steps too small for a cut: a frame shows no more than the buffer holds, and a
+ * few frames later all. After a cut that is so at once. Then more than the limit: surfels get larger, and
+ * small again without it. Areas stay right. */
 static void test_room(void)
 {
     triangles t = {0};
@@ -482,8 +522,8 @@ static void test_room(void)
     free(t.corners);
 }
 
-/* An eye on a wall of two triangles, and 1 mm above it, its near plane at 1 cm: not many more surfels than from 1 m, none
- * larger than a hundredth of the wall within 10 cm, and all of the area. */
+/* An eye on a wall of two triangles, and 1 mm above it, its near plane at 1 cm: not many more surfels than
+ * from 1 m, none larger than a hundredth of the wall within 10 cm, and all of the area. */
 static void test_wall(void)
 {
     triangles t = {0};
@@ -537,7 +577,8 @@ static void test_flat(void)
     free(t.corners);
 }
 
-/* A scene of 1e-4 m and one of 1e4 m, each as seen from as many times its size: the same cloud but for rounding. */
+/* A scene of 1e-4 m and one of 1e4 m, each as seen from as many times its size: the same cloud but for
+ * rounding. */
 static void test_scales(void)
 {
     for (int exponent = -4; exponent <= 4; exponent += 8) {
@@ -545,7 +586,8 @@ static void test_scales(void)
         triangles t = {0};
         add_box(&t, (float[3]){0, 0, 0}, (float[3]){size, size, size}, 2);
         al_runtime *runtime = open_scene(&t, NULL, 0, 0);
-        al_view view = stage_look(WIDTH, HEIGHT, (float[3]){0, 2 * size, 3 * size}, (float[3]){0, 0, 0}, 0.7f);
+        al_view view =
+            stage_look(WIDTH, HEIGHT, (float[3]){0, 2 * size, 3 * size}, (float[3]){0, 0, 0}, 0.7f);
         view.projection[10] = -1; /* from 1e-3 of the size to infinity */
         view.projection[14] = -2e-3f * size;
         cloud c = draw_cloud(runtime, &view, &shown);
@@ -569,8 +611,8 @@ static bool find_row(al_runtime *runtime, al_plan_row *row)
     return false;
 }
 
-/* Without opaque meshes, fog or any light there is no pass, no row that asks for one and not a byte; switched off, no
- * pass. */
+/* Without opaque meshes, fog or any light there is no pass, no row that asks for one and not a byte; switched
+ * off, no pass. */
 static void test_plan(void)
 {
     const lamp lamps[] = {{AL_LIGHT_POINT, {0, 2, 3}, 5}};
@@ -581,7 +623,10 @@ static void test_plan(void)
         int lamps;
         float sigma_t;
         bool needed;
-    } cases[] = {{&t, 1, 0.1f, true}, {&t, 0, 0.1f, false}, {&t, 1, 0, false}, {&none, 1, 0.1f, false},
+    } cases[] = {{&t, 1, 0.1f, true},
+                 {&t, 0, 0.1f, false},
+                 {&t, 1, 0, false},
+                 {&none, 1, 0.1f, false},
                  {&none, 0, 0, false}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         al_plan_row row = {0};
@@ -615,6 +660,7 @@ int main(void)
     test_same();
     test_point();
     test_sides();
+    test_caster();
     test_texture();
     test_room();
     test_wall();
