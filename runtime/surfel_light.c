@@ -1,7 +1,7 @@
 /* The light that surfels send, and the cloud as a picture. */
 #include "state.h"
 
-enum { GROUP = 64 };
+enum { GROUP = 128 };
 
 /* One thread for each surfel there is room for, so that nobody waits to know how many there are; the buffer
  * is little larger than the cloud. */

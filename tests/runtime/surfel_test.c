@@ -6,6 +6,7 @@
 #include "../../runtime/state.h"
 #include "../test.h"
 #include "airlight/formulas.h"
+#include "airlight/medium.h"
 #include "sphere.h"
 #include "stage.h"
 
@@ -383,6 +384,87 @@ static void test_sides(void)
     free(t.corners);
 }
 
+static al_status even_slice(void *user, uint32_t frame, uint32_t z, float *density, al_error *error)
+{
+    (void)user, (void)frame, (void)z, (void)error;
+    for (int i = 0; i < 12 * 12; i++) density[i] = 1;
+    return AL_OK;
+}
+
+/* A grid of density 1 in a box of 1.2 m between sun and floor: the march finds what the box takes, within the
+ * half floats of its bricks, 2^-11 of an optical depth of 1.8, and the rounding of 24 steps. */
+static void test_grid(void)
+{
+    char path[512];
+    triangles t = {0};
+    al_error error = {0};
+    sphere_scene s;
+    al_runtime *runtime = NULL;
+    al_fog fog = {.bounded = true, .density = 1, .asset = "fog.medium.air"};
+    al_medium_data data = {.info = {.size = {12, 12, 12}, .page_size = 3, .frame_count = 1},
+                           .slice = even_slice};
+    for (int k = 0; k < 3; k++) {
+        fog.bounds_min_m[k] = data.info.bounds_min_m[k] = -0.6f + (float)(k == 1);
+        fog.bounds_max_m[k] = data.info.bounds_max_m[k] = 0.6f + (float)(k == 1);
+        data.info.sigma_a_per_m[k] = 0.5f * (float)(k + 1);
+        data.info.grid_to_world[5 * k] = 0.1f;
+        data.info.grid_to_world[12 + k] = fog.bounds_min_m[k] + 0.05f;
+    }
+    data.info.grid_to_world[15] = 1;
+    snprintf(path, sizeof path, "%s/fog.medium.air", folder);
+    CHECK(al_medium_write(path, &data, NULL, &error) == AL_OK);
+    add_square(&t, (float[3]){-1, 0, -1}, (float[3]){0, 0, 2}, (float[3]){2, 0, 0}, 1);
+    sphere_scene_begin(&s);
+    s.scene.baked = (al_baked_light){"", ""};
+    s.scene.fogs = &fog;
+    s.scene.fog_count = 1;
+    use_triangles(&s, &t);
+    sphere_scene_add_floor(&s, 1, (float[3]){0, 0, 0});
+    sphere_scene_add_light(&s, AL_LIGHT_DIRECTIONAL, (float[3]){0, -1, 0}, (float)AL_PI);
+    CHECK(sphere_scene_write(folder, &s));
+    sphere_scene_end(&s);
+    CHECK(al_runtime_create(NULL, &runtime, &error) == AL_OK && stage_load(runtime, folder));
+    al_view view = front_view();
+    cloud c = draw_cloud(runtime, &view, &shown);
+    int under = 0;
+    for (uint32_t i = 0; i < c.count; i++) {
+        const surfel *f = &c.surfels[i];
+        bool below = fabsf(f->place[0]) < 0.6f && fabsf(f->place[2]) < 0.6f;
+        under += below;
+        for (int k = 0; k < 3; k++)
+            CHECK_NEAR(f->front[k] / (below ? exp(-0.6 * (k + 1)) : 1), 1, below ? 1e-3 : 1e-6);
+    }
+    CHECK(under > 50 && under < (int)c.count);
+    free(c.surfels);
+    al_runtime_destroy(runtime);
+    free(t.corners);
+}
+
+/* The picture of a floor's discs: each pixel shows the floor's light or nothing, from above and from below.
+ */
+static void test_picture(void)
+{
+    const lamp lamps[] = {{AL_LIGHT_DIRECTIONAL, {0, -1, 0}, 3}, {AL_LIGHT_DIRECTIONAL, {0, 1, 0}, 2}};
+    triangles t = {0};
+    add_square(&t, (float[3]){-1, 0, -1}, (float[3]){0, 0, 2}, (float[3]){2, 0, 0}, 1);
+    al_runtime *runtime = open_scene(&t, lamps, 2, 0);
+    for (int below = 0; below < 2; below++) {
+        al_view view =
+            stage_look(WIDTH, HEIGHT, (float[3]){0, below ? -2 : 2, 0.1f}, (float[3]){0, 0, 0}, 0.7f);
+        float *pixels = stage_draw(runtime, &view, &shown, 0);
+        int covered = 0;
+        for (int i = 0; i < WIDTH * HEIGHT * 3 && pixels; i++) {
+            if (pixels[i] == 0) continue;
+            covered++;
+            CHECK_NEAR(pixels[i] * AL_PI, below ? 2 : 3, 1e-6);
+        }
+        CHECK(covered > WIDTH * HEIGHT * 3 / 2 && covered < WIDTH * HEIGHT * 3);
+        free(pixels);
+    }
+    al_runtime_destroy(runtime);
+    free(t.corners);
+}
+
 /* Under the middle of a translucent sphere of radius 0.5 m and 2 per metre, a floor gets exp(-2) of the sun;
  * beside it all. Within what casters' marches through 64 voxels give: a step of 1/64 m at each end, and the
  * chord falls by 0.3 % towards 4 cm from the middle. */
@@ -660,6 +742,8 @@ int main(void)
     test_same();
     test_point();
     test_sides();
+    test_grid();
+    test_picture();
     test_caster();
     test_texture();
     test_room();
