@@ -214,7 +214,7 @@ typedef struct absorption_fields {
 typedef struct density_fields {
     char *type, *file, *grid;
     double scale, unit_m, bounds_min_m[3], bounds_max_m[3], axis[3], period_m, thickness_m, offset_m, low,
-        high;
+        high, first_frame, frame_count, frames_per_second;
     node transform;
 } density_fields;
 
@@ -384,6 +384,9 @@ static const al_scene_key keys[] = {
     TEXT(density, file),
     TEXT(density, grid),
     NUMBER(density, unit_m, TINY, FAR_M),
+    INTEGER(density, first_frame, 0, 1000000),
+    INTEGER(density, frame_count, 1, 100000),
+    NUMBER(density, frames_per_second, 0.001, 1000000),
     OBJECT(density, transform, "transform"),
     VECTOR(density, bounds_min_m, false),
     VECTOR(density, bounds_max_m, false),
@@ -955,10 +958,60 @@ static al_status read_grid(const node *place, const density_fields *f, al_densit
     return status;
 }
 
+/* The "%d" or "%04d" of a sequence's file names: where it begins and ends, and how many digits at least; NULL: none. */
+static const char *find_number(const char *files, const char **end, int *digits)
+{
+    for (const char *at = files; (at = strchr(at, '%')) != NULL; at++) {
+        char *behind = (char *)(uintptr_t)at + 1;
+        *digits = *behind == '0' ? (int)strtol(behind, &behind, 10) : 0;
+        if (*behind == 'd' && *digits >= 0 && *digits < 20) return *end = behind + 1, at;
+    }
+    return NULL;
+}
+
+bool al_density_frame_file(const al_density_description *density, uint32_t index, char *path, size_t size)
+{
+    const char *end;
+    int digits, used;
+    const char *at = find_number(density->files, &end, &digits);
+    if (!at)
+        used = snprintf(path, size, "%s", density->file);
+    else
+        used = snprintf(path, size, "%.*s%0*u%s", (int)(at - density->files), density->files, digits,
+                        density->first_frame + index, end);
+    return used >= 0 && (size_t)used < size;
+}
+
+/* A name with a number in it is one of a sequence. */
+static al_status read_sequence(const node *place, const density_fields *f, al_scene_description *all,
+                               al_density_description *out, al_error *error)
+{
+    static const char *const keys_of_sequences[] = {"first_frame", "frame_count", "frames_per_second"};
+    char first[4096];
+    const char *end;
+    int digits;
+    out->frame_count = 1;
+    if (!f->file || !find_number(f->file, &end, &digits)) {
+        for (size_t i = 0; i < sizeof keys_of_sequences / sizeof *keys_of_sequences; i++)
+            if (has(place, keys_of_sequences[i]))
+                return fail_at(place, error, "%s goes with a file name that has %%04d, or another number of digits, for "
+                               "the frame's number", keys_of_sequences[i]);
+        return AL_OK;
+    }
+    if (!has(place, "frame_count")) return need(place, "frame_count", "a sequence of files", error);
+    out->files = out->file;
+    out->first_frame = (uint32_t)f->first_frame;
+    out->frame_count = (uint32_t)f->frame_count;
+    out->frames_per_second = f->frames_per_second;
+    if (!al_density_frame_file(out, 0, first, sizeof first)) return fail_at(place, error, "file is too long a name");
+    out->file = copy_text(all, first);
+    return out->file ? AL_OK : out_of_memory(place->from, error);
+}
+
 static al_status read_density(const node *place, al_scene_description *all, al_density_description *out,
                               al_error *error)
 {
-    density_fields f = {.scale = 1, .unit_m = all->unit_m, .axis = {0, 1, 0}, .high = 1};
+    density_fields f = {.scale = 1, .unit_m = all->unit_m, .axis = {0, 1, 0}, .high = 1, .frames_per_second = 24};
     identity(out->grid_to_world);
     out->scale = 1;
     al_status status = place->value ? read_object(place, "density", &f, error) : AL_OK;
@@ -966,14 +1019,17 @@ static al_status read_density(const node *place, al_scene_description *all, al_d
     out->scale = f.scale;
     out->file = resolve(all, f.file);
     out->grid = copy_text(all, f.grid ? f.grid : "");
-    if (!out->file || !out->grid) return out_of_memory(place->from, error);
+    out->files = copy_text(all, "");
+    out->frame_count = 1;
+    if (!out->file || !out->grid || !out->files) return out_of_memory(place->from, error);
     if (!place->value) return AL_OK;
     out->line = line_of(place->from, place->at);
     if (strcmp(f.type, "grid") == 0) {
         out->type = AL_DENSITY_GRID;
-        status = allow_only(place, "type|scale|file|grid|unit_m|transform|bounds_min_m|bounds_max_m", f.type,
-                            error);
+        status = allow_only(place, "type|scale|file|grid|first_frame|frame_count|frames_per_second|unit_m|transform|"
+                            "bounds_min_m|bounds_max_m", f.type, error);
         if (!status) status = read_grid(place, &f, out, error);
+        if (!status) status = read_sequence(place, &f, all, out, error);
     } else if (strcmp(f.type, "layers") == 0) {
         out->type = AL_DENSITY_LAYERS;
         status = allow_only(

@@ -1,6 +1,7 @@
 #include "bake_medium.h"
 
 #include "bake_object.h"
+#include "grid_sequence.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -45,6 +46,7 @@ al_status al_bake_medium_key(const al_import *import, uint32_t fog, uint64_t *ke
     XXH64_update(state, medium->sigma_a_per_m, sizeof medium->sigma_a_per_m);
     XXH64_update(state, &medium->g, sizeof medium->g);
     al_hash_density(state, import, &description_of(import, fog)->density);
+    al_grid_sequence_hash(state, import, &description_of(import, fog)->density);
     *key = XXH64_digest(state);
     XXH64_freeState(state);
     return AL_OK;
@@ -141,13 +143,21 @@ al_status al_bake_medium(const al_import *import, uint32_t fog, uint64_t key, co
     al_medium_data data = {.user = &s, .provenance_json = provenance};
     describe(import, fog, &s, &data.info);
     data.slice = s.voxels.values ? grid_slice : sampled_slice;
-    al_status status = check_size(import, fog, &data.info, options->memory_limit, error);
-    if (status != AL_OK) return status;
+    al_grid_sequence *sequence = NULL;
+    al_status status = AL_OK;
+    if (description_of(import, fog)->density.frame_count > 1)
+        status = al_grid_sequence_open(import, description_of(import, fog), &data, &sequence, error);
+    if (status == AL_OK) status = check_size(import, fog, &data.info, options->memory_limit, error);
+    if (status != AL_OK) {
+        al_grid_sequence_close(sequence);
+        return status;
+    }
     al_bake_medium_file(import, fog, file, sizeof file);
     snprintf(path, sizeof path, "%s/%s", options->folder, file);
     snprintf(provenance, sizeof provenance, "{\"key\":\"%016llx\"}", (unsigned long long)key);
     status = al_medium_write(path, &data, &bytes, error);
+    al_grid_sequence_close(sequence);
     *step = (al_step){"medium", al_program_seconds() - started, bytes,
-                      (uint64_t)data.info.size[0] * data.info.size[1] * data.info.size[2]};
+                      (uint64_t)data.info.size[0] * data.info.size[1] * data.info.size[2] * data.info.frame_count};
     return status;
 }

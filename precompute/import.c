@@ -12,7 +12,7 @@
 #include "mesh_file.h"
 #include "motion_import.h"
 
-enum { LIGHT_LIMIT = 64, NAME_ROOM = 1024 };
+enum { LIGHT_LIMIT = 64, NAME_ROOM = 1024, PATH_ROOM = 4096 };
 
 static al_status out_of_memory(const al_import *import, al_error *error)
 {
@@ -114,8 +114,11 @@ static al_status open_densities(al_import *import, al_error *error)
     for (uint32_t i = 0; i < description->medium_count; i++) {
         const al_medium_description *medium = &description->media[i];
         al_status status = AL_OK;
-        if (medium->density.type == AL_DENSITY_GRID)
-            status = al_inputs_hash(import, medium->density.file, error);
+        for (uint32_t k = 0; k < medium->density.frame_count && medium->density.type == AL_DENSITY_GRID && !status; k++) {
+            char path[PATH_ROOM];
+            al_density_frame_file(&medium->density, k, path, sizeof path);
+            status = al_inputs_hash(import, path, error);
+        }
         if (!status) status = al_density_open(description, medium, &import->densities[i], error);
         if (status) return status;
     }

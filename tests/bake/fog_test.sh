@@ -61,4 +61,36 @@ sed -i 's/"thickness_m": 0.25/"thickness_m": 0.02/' "$work/fog.json"
 run 3 "$bin/airlight-bake" "$work/fog.json" -o "$work/fog" --memory-limit 16
 grep -q 'fog.json: medium "haze" (line 4): its 256 x 256 x 256 voxels take 64 MiB as floats, --memory-limit allows 16' \
     "$work/stderr" || wrong "says $(cat "$work/stderr")"
+# A sequence of grids: an asset of as many frames, baked again when one of the files changes, shown frame by frame.
+for frame in 0 1 2; do "$bin/vdb_speck" "$work/smoke_$frame.vdb" $((5 + 2 * frame)) "$(echo "$frame" | awk '{print (5 + 2 * $1) / 10}')" \
+    $((frame + 1)) $((frame + 1)); done
+cat >"$work/smoke.json" <<'SCENE'
+{
+  "media": [{"name": "smoke", "sigma_a_per_m": 1, "density": {"type": "grid", "file": "smoke_%d.vdb", "frame_count": 3,
+   "frames_per_second": 4}}],
+  "fogs": ["smoke"],
+  "cameras": [{"position_m": [0, 0, 4], "target_m": [0, 0, 0], "fov_y_degrees": 4}],
+  "play": {"background": 1}
+}
+SCENE
+run 0 "$bin/airlight-bake" "$work/smoke.json" -o "$work/smoke"
+run 0 "$bin/airlight-inspect" --check "$work/smoke/smoke.medium.air"
+for frame in 0 1 2; do
+    run 0 "$bin/airlight-inspect" "$work/smoke/smoke.medium.air" --eval \
+        "{\"position\": [0, 0, 0], \"time\": $(echo $frame | awk '{print $1 / 4}')}"
+    grep -q "\"sigma_a_per_m\": \[$((frame + 1)).0, " "$work/stdout" || wrong "frame $frame says $(cat "$work/stdout")"
+done
+before=$(ls -i "$work/smoke/smoke.medium.air")
+run 0 "$bin/airlight-bake" "$work/smoke.json" -o "$work/smoke"
+[ "$before" = "$(ls -i "$work/smoke/smoke.medium.air")" ] || wrong "the sequence was written again"
+"$bin/vdb_speck" "$work/smoke_2.vdb" 9 0.9 4 4
+run 0 "$bin/airlight-bake" "$work/smoke.json" -o "$work/smoke"
+run 0 "$bin/airlight-inspect" "$work/smoke/smoke.medium.air" --eval '{"position": [0, 0, 0], "time": 0.5}'
+grep -q '"sigma_a_per_m": \[4.0, ' "$work/stdout" || wrong "another frame was not baked anew: $(cat "$work/stdout")"
+run 0 "$bin/airlight-play" "$work/smoke" --headless --size 16x16 --frames 6 --fps 4 --out "$work/s%04d.exr"
+run 0 "$bin/airlight-compare" "$work/s0000.exr" "$work/s0003.exr" --fail-above max_abs=1e-5
+run 1 "$bin/airlight-compare" "$work/s0001.exr" "$work/s0002.exr" --fail-above max_abs=0.1
+rm "$work/smoke_1.vdb"
+fails 3 "smoke_1.vdb" "$bin/airlight-bake" "$work/smoke.json" -o "$work/smoke"
+
 finish

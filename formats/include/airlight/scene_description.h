@@ -64,6 +64,9 @@ typedef struct al_density_description {
     int line;
     double scale;       /* density = scale * value */
     char *file, *grid;  /* grid: OpenVDB file and grid name ("" when the file has one float grid), "name[i]" */
+    char *files;        /* of a sequence: names with %04d for the frame's number, `file` being the first; else "" */
+    uint32_t first_frame, frame_count; /* frame_count 1: no sequence */
+    double frames_per_second;
     double grid_to_world[16]; /* places the grid's own world space in the scene's, column-major */
     bool has_bounds;
     double bounds_min_m[3], bounds_max_m[3]; /* of the medium; default: the grid's active box */
@@ -175,6 +178,9 @@ al_probe_settings al_probe_settings_for(al_quality quality);
 al_status al_scene_description_read(const char *path, al_quality quality, al_scene_description **description,
                                     al_error *error);
 void al_scene_description_free(al_scene_description *description); /* NULL is allowed */
+
+/* The file of frame `index` of a sequence, from 0; false where it does not fit `size`. */
+bool al_density_frame_file(const al_density_description *density, uint32_t index, char *path, size_t size);
 
 /* --- the keys of a scene file, for the schema and its test --- */
 typedef enum al_scene_type {
