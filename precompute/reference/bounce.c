@@ -24,13 +24,28 @@ void al_bounce_free(al_bounce *bounce)
     *bounce = (al_bounce){0};
 }
 
+/* A lamp on a surface shines to both sides of it and does not light it: such a surface lets the ray pass. */
+static bool lies_on(const al_bounce *bounce, const al_lamp *lamp, const al_surface_hit *surface)
+{
+    double square = 0, near_m = 2 * al_ray_scene_offset_m(bounce->scene);
+    for (int k = 0; k < 3; k++) {
+        double off = surface->position[k] - lamp->position[k];
+        square += off * off;
+    }
+    return lamp->kind == AL_LAMP_POINT && square < near_m * near_m;
+}
+
 bool al_bounce_shoot(const al_bounce *bounce, const double u[AL_BOUNCE_SHOT_NUMBERS], al_lamp *lamp,
                      al_surface_hit *surface)
 {
     al_ray ray;
     if (!al_lamps_draw(&bounce->lamps, u, lamp)) return false;
     al_lamps_shoot(&bounce->lamps, lamp, u + AL_LAMP_NUMBERS, &ray);
-    return al_ray_scene_hit(bounce->scene, &ray, INFINITY, surface);
+    while (al_ray_scene_hit(bounce->scene, &ray, INFINITY, surface)) {
+        if (!lies_on(bounce, lamp, surface)) return true;
+        al_surface_offset(surface, ray.direction, ray.origin);
+    }
+    return false;
 }
 
 bool al_bounce_gather(const al_bounce *bounce, al_ray *ray, uint32_t met, al_surface_hit *surface)
