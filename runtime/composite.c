@@ -55,6 +55,27 @@ al_status al_inspect_draw(al_draw *draw)
     return AL_OK;
 }
 
+al_status al_shells_inspect(al_draw *draw)
+{
+    al_runtime *runtime = draw->runtime;
+    al_pass pass = draw->settings.pass;
+    GLint choice = pass == AL_PASS_INTERVAL_MAP ? 0 : pass == AL_PASS_DEPLETION ? 1 : 2;
+    GLuint program;
+    al_status status =
+        al_shaders_get(runtime->shaders, "fullscreen.vert inspect_shells.frag", "", &program, draw->error);
+    if (status) return status;
+    glBindFramebuffer(GL_FRAMEBUFFER, runtime->targets.radiance_framebuffer);
+    glViewport(0, 0, draw->tile[2], draw->tile[3]);
+    glUseProgram(program);
+    al_gl_bind_texture(AL_UNIT_PASS, runtime->shells.steps.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 1, runtime->shells.ends.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 3, choice == 2 ? runtime->shells.levels.id : 0);
+    glUniform2i(0, choice, (GLint)draw->settings.shown_level);
+    glBindVertexArray(runtime->empty_vertex_array);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    return AL_OK;
+}
+
 /* Largest finite number of the framebuffer's colour 0. */
 static float framebuffer_limit(GLuint framebuffer)
 {

@@ -31,6 +31,25 @@ static al_status check(const al_view *view, const al_settings *settings, al_erro
     if (settings->surfel_limit && !in_range(settings->surfel_limit, 64, 1 << 22))
         return al_fail(error, AL_USAGE, "settings: at most %u surfels; use 64 to 4194304, or 0 for 1048576",
                        settings->surfel_limit);
+    if (settings->shell_epsilon_w_m2_sr != 0 && !in_range(settings->shell_epsilon_w_m2_sr, 1e-12, 1e12))
+        return al_fail(error, AL_USAGE, "settings: shell epsilon of %g W/(m2 sr); use 1e-12 to 1e12, or 0 for 0.06 as "
+                       "the exposure shows it", (double)settings->shell_epsilon_w_m2_sr);
+    if (settings->shell_radius_m != 0 && !in_range(settings->shell_radius_m, 1e-6, 1e6))
+        return al_fail(error, AL_USAGE, "settings: shell radius of %g m; use 1e-6 to 1e6, or 0 for epsilon's",
+                       (double)settings->shell_radius_m);
+    if (settings->pass == AL_PASS_SHELLS && settings->shown_level >= (settings->shell_levels ? settings->shell_levels : 6))
+        return al_fail(error, AL_USAGE, "settings: level %u is shown of %u", settings->shown_level,
+                       settings->shell_levels ? settings->shell_levels : 6);
+    if (settings->shell_levels > 7 || settings->blur_mips > 4 || settings->second_leg_steps > 64)
+        return al_fail(error, AL_USAGE, "settings: %u shell levels, blur of %u mips, %u steps of the second leg; use at "
+                       "most 7, 4 and 64", settings->shell_levels, settings->blur_mips, settings->second_leg_steps);
+    if (settings->bounce_samples > 64 || (settings->bounce_radius_m != 0 && !in_range(settings->bounce_radius_m, 1e-6, 1e6)) ||
+        (settings->bounce_overlap != 0 && !in_range(settings->bounce_overlap, 1, 16)))
+        return al_fail(error, AL_USAGE, "settings: bounce of %u samples, radius %g m, overlap %g; use at most 64, 1e-6 to "
+                       "1e6 and 1 to 16, or 0", settings->bounce_samples, (double)settings->bounce_radius_m,
+                       (double)settings->bounce_overlap);
+    if ((unsigned)settings->interval_weights >= AL_INTERVAL_WEIGHTS_COUNT)
+        return al_fail(error, AL_USAGE, "settings: no such interval weights");
     if (settings->fog_steps > 1024)
         return al_fail(error, AL_USAGE, "settings: %u fog steps; use 1 to 1024, or 0 for 32",
                        settings->fog_steps);
@@ -119,6 +138,18 @@ static al_status draw_object(al_draw *draw, uint32_t index)
     return status;
 }
 
+static al_status draw_surface_scattering(al_draw *draw)
+{
+    al_pass pass = draw->settings.pass;
+    al_status status = al_interval_map_run(draw);
+    if (status) return status;
+    if (pass == AL_PASS_INTERVAL_MAP || pass == AL_PASS_DEPLETION) return al_shells_inspect(draw);
+    status = al_span_run(draw);
+    if (!status) status = draw->settings.visibility ? al_bounce_medium(draw) : al_shells_draw(draw);
+    if (status) return status;
+    return pass == AL_PASS_SHELLS ? al_shells_inspect(draw) : al_shells_gather(draw);
+}
+
 static al_status draw_tile(al_draw *draw)
 {
     static const float black[4] = {0, 0, 0, 1};
@@ -141,6 +172,7 @@ static al_status draw_tile(al_draw *draw)
     if (draw->settings.pass == AL_PASS_NORMAL || draw->settings.pass == AL_PASS_DEPTH)
         status = al_inspect_draw(draw);
     if (!status) status = al_fog_draw(draw);
+    if (!status && draw->needs_map) status = draw_surface_scattering(draw);
     for (uint32_t i = 0; i < runtime->scene.translucent_count && !status; i++)
         if (runtime->sorted[i] != AL_NO_INDEX) status = draw_object(draw, runtime->sorted[i]);
     return status ? status : al_output_draw(draw);
@@ -188,6 +220,7 @@ static bool needs_surfels(const al_draw *draw)
         return true;
     case AL_PASS_COMPOSITE:
     case AL_PASS_SURFACE_SCATTERING:
+    case AL_PASS_SHELLS:
         return runtime->fogs.drawn && !draw->settings.surface_scattering_off &&
                (runtime->scene.light_count || runtime->model.has_emission);
     default:
@@ -209,10 +242,14 @@ static al_status draw_frame(al_draw *draw)
     al_objects_prepare(draw);
     al_fog_prepare(draw);
     draw->needs_surfels = needs_surfels(draw);
+    draw->needs_map = runtime->fogs.drawn && (pass == AL_PASS_INTERVAL_MAP || pass == AL_PASS_DEPLETION ||
+                                              (draw->needs_surfels && pass != AL_PASS_SURFELS));
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, runtime->frame_block.id);
+    if (pass == AL_PASS_SHELLS) draw->settings.visibility = false;
     status = al_motion_draw(draw);
     if (!status) status = al_shadow_draw(draw);
     if (!status) status = al_surfels_run(draw);
+    if (!status && draw->needs_map) status = al_shells_prepare(draw);
     for (uint32_t i = 0; i < runtime->scene.translucent_count && !status; i++)
         if (runtime->objects[i].present && runtime->objects[i].rectangle[2])
             status = al_light_run(draw, &runtime->objects[i]);
@@ -234,6 +271,13 @@ al_status al_runtime_draw(al_runtime *runtime, const al_view *view, const al_set
     if (status) return status;
     if (!draw.settings.fog_steps) draw.settings.fog_steps = 32;
     if (!draw.settings.interval_count) draw.settings.interval_count = 16;
+    if (!draw.settings.shell_levels) draw.settings.shell_levels = 6;
+    if (!draw.settings.blur_mips) draw.settings.blur_mips = draw.settings.visibility ? 3 : 1;
+    if (!draw.settings.bounce_samples) draw.settings.bounce_samples = 4;
+    if (draw.settings.bounce_overlap == 0) draw.settings.bounce_overlap = 3;
+    if (!draw.settings.second_leg_steps) draw.settings.second_leg_steps = 4;
+    if (draw.settings.shell_epsilon_w_m2_sr == 0)
+        draw.settings.shell_epsilon_w_m2_sr = 0.06f * exp2f(-runtime->scene.play.exposure_ev);
     if (draw.settings.march_voxels == 0) draw.settings.march_voxels = 0.5f;
     if (draw.settings.surfel_pixels == 0) draw.settings.surfel_pixels = 4.6f;
     if (!draw.settings.surfel_limit) draw.settings.surfel_limit = 1 << 20;

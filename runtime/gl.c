@@ -9,6 +9,7 @@ static uint32_t texel_size(GLenum format)
     case GL_R16F:
         return 2;
     case GL_RGBA32F:
+    case GL_RGBA32UI:
         return 16;
     case GL_RGB32F:
         return 12;
@@ -81,7 +82,7 @@ al_status al_gl_texture_create(al_gl_memory *memory, GLenum target, GLenum forma
                                uint32_t height, uint32_t depth, uint32_t levels, al_gl_texture *texture,
                                al_error *error)
 {
-    al_gl_texture made = {0, target, format, width, height, depth, 0};
+    al_gl_texture made = {0, target, format, width, height, depth, levels, 0};
     *texture = (al_gl_texture){0};
     drop_errors();
     glCreateTextures(target, 1, &made.id);
@@ -112,14 +113,21 @@ void al_gl_texture_free(al_gl_memory *memory, al_gl_texture *texture)
     *texture = (al_gl_texture){0};
 }
 
+al_status al_gl_texture_fit_mips(al_gl_memory *memory, GLenum target, GLenum format, uint32_t width,
+                                 uint32_t height, uint32_t depth, uint32_t levels, al_gl_texture *texture,
+                                 al_error *error)
+{
+    if (texture->id && texture->target == target && texture->format == format && texture->width == width &&
+        texture->height == height && texture->depth == depth && texture->levels == levels)
+        return AL_OK;
+    al_gl_texture_free(memory, texture);
+    return al_gl_texture_create(memory, target, format, width, height, depth, levels, texture, error);
+}
+
 al_status al_gl_texture_fit(al_gl_memory *memory, GLenum target, GLenum format, uint32_t width,
                             uint32_t height, uint32_t depth, al_gl_texture *texture, al_error *error)
 {
-    if (texture->id && texture->target == target && texture->format == format && texture->width == width &&
-        texture->height == height && texture->depth == depth)
-        return AL_OK;
-    al_gl_texture_free(memory, texture);
-    return al_gl_texture_create(memory, target, format, width, height, depth, 1, texture, error);
+    return al_gl_texture_fit_mips(memory, target, format, width, height, depth, 1, texture, error);
 }
 
 void al_gl_reset_state(void)

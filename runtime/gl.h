@@ -21,6 +21,7 @@ typedef struct al_gl_texture {
     GLuint id;
     GLenum target, format;
     uint32_t width, height, depth; /* depth: layers of an array */
+    uint32_t levels;
     uint64_t bytes;
 } al_gl_texture;
 
@@ -37,6 +38,9 @@ al_status al_gl_texture_create(al_gl_memory *memory, GLenum target, GLenum forma
 void al_gl_texture_free(al_gl_memory *memory, al_gl_texture *texture);
 
 /* Makes `texture` have this format and size, keeping it when it has. */
+al_status al_gl_texture_fit_mips(al_gl_memory *memory, GLenum target, GLenum format, uint32_t width,
+                                 uint32_t height, uint32_t depth, uint32_t levels, al_gl_texture *texture,
+                                 al_error *error);
 al_status al_gl_texture_fit(al_gl_memory *memory, GLenum target, GLenum format, uint32_t width,
                             uint32_t height, uint32_t depth, al_gl_texture *texture, al_error *error);
 

@@ -59,13 +59,20 @@ const al_plan_row *al_runtime_plan(al_runtime *runtime, uint32_t *count)
         scene->fog_count ? "fog scatters light towards the eye and hides what lies behind" : "no fog",
         ms[AL_STAGE_FOG], al_fog_bytes(runtime));
     bool glow = lights || runtime->model.has_emission, surfels = scene->fog_count > 0 && opaque && glow;
+    const char *into_fog = !scene->fog_count ? "no fog takes light from surfaces"
+                           : !opaque         ? "no opaque object sends light into the fog"
+                           : !glow           ? "no light and no emission"
+                                             : "surfaces send light into the fog";
     add(runtime, count, "surfels", surfels,
-        !scene->fog_count                   ? "no fog takes light from surfaces"
-        : !opaque                           ? "no opaque object sends light into the fog"
-        : !glow                             ? "no light and no emission"
-        : runtime->surfels.coarseness > 1.0 ? "surfaces send light into the fog; larger surfels, to stay below their limit"
-                                            : "surfaces send light into the fog",
+        runtime->surfels.coarseness > 1.0 ? "surfaces send light into the fog; larger surfels, to stay below their limit"
+                                          : into_fog,
         ms[AL_STAGE_SURFELS] + ms[AL_STAGE_SURFEL_LIGHT], al_surfels_bytes(runtime));
+    add(runtime, count, "interval-map", surfels, into_fog, ms[AL_STAGE_INTERVAL_MAP],
+        al_interval_map_bytes(runtime));
+    add(runtime, count, "surface-scattering", surfels, into_fog,
+        ms[AL_STAGE_SPAN] + ms[AL_STAGE_LEGS] + ms[AL_STAGE_SHELLS] + ms[AL_STAGE_BOUNCE_RAYS] + ms[AL_STAGE_BOUNCE] +
+            ms[AL_STAGE_BOUNCE_LIGHT] + ms[AL_STAGE_UNSHUFFLE] + ms[AL_STAGE_BLUR] + ms[AL_STAGE_GATHER],
+        al_shells_bytes(runtime));
     add(runtime, count, "environment", environment,
         environment ? "environment light" : "no environment light", 0, runtime->environment.bytes);
     add(runtime, count, "intervals", objects,

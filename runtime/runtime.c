@@ -13,7 +13,8 @@ const char *al_pass_name(al_pass pass)
 {
     static const char *const names[AL_PASS_COUNT] = {
         "composite", "translucent", "surface",           "normal",             "depth",
-        "intervals", "unity",       "direct-scattering", "surface-scattering", "surfels"};
+        "intervals", "unity",       "direct-scattering", "surface-scattering", "surfels",
+        "interval-map", "depletion", "shells"};
     return (unsigned)pass < AL_PASS_COUNT ? names[pass] : "unknown";
 }
 
@@ -51,6 +52,9 @@ static void unload(al_runtime *runtime)
     al_model_free(runtime);
     al_motion_free(runtime);
     al_fog_free(runtime);
+    al_shells_free(runtime);
+    al_bounce_free(runtime);
+    al_legs_free(runtime);
     al_lightmap_free(runtime);
     al_probes_free(runtime);
     al_gl_texture_free(&runtime->memory, &runtime->environment);

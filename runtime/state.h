@@ -96,6 +96,49 @@ typedef struct al_fogs {
     al_fog_block block; /* of that frame */
 } al_fogs;
 
+/* shaders/shells.glsl */
+typedef struct al_shell_block {
+    int32_t counts[4], size[4];
+    float reach[4], medium[4];
+    int32_t blur[4];
+} al_shell_block;
+_Static_assert(sizeof(al_shell_block) == 80, "std140");
+
+typedef struct al_shells {      /* what surfaces send into the media; all of one tile */
+    al_gl_texture steps, ends;  /* the view's transmittance interval map */
+    al_gl_texture weights;      /* of its samples, unless one albedo holds for all */
+    al_gl_texture span;         /* start and end of the medium, mips */
+    al_gl_texture levels, light; /* as splatted; in the view's order, mips */
+    GLuint framebuffer;
+    al_gl_buffer constants;
+    /* of the frame being drawn */
+    al_shell_block block;
+    al_interval_weights weighing;
+    float cell_m;
+} al_shells;
+
+/* shaders/legs.glsl */
+typedef struct al_legs_block {
+    float low[4], extent[4];
+} al_legs_block;
+
+typedef struct al_legs {
+    al_gl_texture extinction; /* of all gridded media, coarse */
+    al_gl_buffer constants;
+} al_legs;
+
+/* shaders/bounce.glsl */
+typedef struct al_bounce_block {
+    float reach[4];
+    int32_t sample[4];
+} al_bounce_block;
+
+typedef struct al_bounce { /* the bounced z-buffer of one tile */
+    al_gl_texture rays, hits, depths;
+    GLuint framebuffer;
+    al_gl_buffer constants;
+} al_bounce;
+
 typedef struct al_light_page { /* of the lightmap */
     al_gl_texture texels; /* array: surface, attenuated, scattered; then the SH of each, if there are any */
     float scale[AL_LAYER_COUNT], sh_scale[AL_LAYER_COUNT];
@@ -232,6 +275,9 @@ struct al_runtime {
     al_object *objects; /* [scene.translucent_count] */
     uint32_t *sorted;   /* their indices, far to near, in the frame being drawn */
     al_fogs fogs;
+    al_shells shells;
+    al_bounce bounce;
+    al_legs legs;
     al_lightmap lightmap;
     al_probe_lights probes;
     al_shadow_maps shadow;
@@ -256,6 +302,7 @@ typedef struct al_draw {
     int32_t tile[4];    /* x, y, width, height in the view */
     bool needs_light;   /* samples are splatted */
     bool needs_shading; /* of opaque surfaces */
+    bool needs_map;     /* the view's transmittance interval map */
     bool needs_surfels; /* surfaces send light into the fog, or the cloud is shown */
     uint32_t framebuffer, host_depth;
     al_error *error;
@@ -311,6 +358,24 @@ const char *al_fog_define(const al_draw *draw); /* of shaders that attenuate lig
 al_status al_fog_draw(al_draw *draw);           /* over the opaque surfaces */
 al_status al_fog_draw_front(al_draw *draw);     /* up to the boundary of one translucent object */
 uint64_t al_fog_bytes(const al_runtime *runtime);
+
+/* interval_map.c */
+/* Fills the block of the frame's shells; surfels are splatted. */
+al_status al_shells_prepare(al_draw *draw);
+al_status al_interval_map_run(al_draw *draw);
+const char *al_interval_map_define(const al_runtime *runtime); /* of shaders that read its weights */
+void al_shells_free(al_runtime *runtime);
+uint64_t al_interval_map_bytes(const al_runtime *runtime);
+uint64_t al_shells_bytes(const al_runtime *runtime); /* what splats onto it and gathers, besides */
+al_status al_shells_draw(al_draw *draw);  /* shell.c: the surfels' shells into the levels */
+al_status al_bounce_medium(al_draw *draw);  /* bounce.c: instead, the light along drawn rays, with what hides it */
+void al_bounce_free(al_runtime *runtime);
+al_status al_legs_run(al_draw *draw); /* legs.c */
+void al_legs_free(al_runtime *runtime);
+al_status al_span_run(al_draw *draw); /* shell.c: by which splats are left out */
+al_status al_shells_fit_light(al_draw *draw, uint32_t layers); /* gather.c: what is blurred and summed */
+al_status al_shells_inspect(al_draw *draw); /* composite.c */
+al_status al_shells_gather(al_draw *draw); /* gather.c: the levels' sum over what the tile holds */
 
 /* lightmap.c */
 al_status al_lightmap_accept(al_runtime *runtime, const al_arrival *arrival, uint64_t *budget, bool *done,

@@ -4,9 +4,10 @@
 
 const char *al_stage_name(al_stage stage)
 {
-    static const char *const names[AL_STAGE_COUNT] = {"skin", "shadow",  "surfels",           "surfel light",
-                                                      "light",   "surface",           "direct-scattering",
-                                                      "intervals", "splat",           "composite"};
+    static const char *const names[AL_STAGE_COUNT] = {
+        "skin",   "shadow", "surfels",     "surfel light", "light",        "surface",   "direct-scattering", "interval-map",
+        "span",   "legs",        "shells",       "bounce-rays",  "bounce",    "bounce-light",      "unshuffle",
+        "blur",   "gather",      "intervals",    "splat",        "composite"};
     return names[stage];
 }
 

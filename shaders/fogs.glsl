@@ -81,4 +81,44 @@ vec3 fog_transmittance(vec3 origin, vec3 direction, float reach, float most)
     return exp(-min(tau, vec3(1e4)));
 }
 
+const float nothing_left = 20.0; // exp(-20) = 2e-9
+
+// Where on [entry, leave] nothing is left in the clearest channel of fog i alone: closed for a constant density,
+// marched for a grid that is dense enough to matter.
+float fog_end(int i, vec3 origin, vec3 direction, float entry, float leave)
+{
+    vec3 sigma = fogs[i].sigma_t.rgb;
+    float least = max(min(min(sigma.r, sigma.g), sigma.b), 1e-30);
+    if (fogs[i].cells.x == 0) return min(leave, entry + nothing_left / least);
+    if (least * fogs[i].sigma_s.w * (leave - entry) < nothing_left) return leave;
+    int count = int(clamp((leave - entry) / fogs[i].march.x + 0.5, 1.0, 512.0));
+    float step = (leave - entry) / float(count), depth = 0.0;
+    for (int k = 0; k < count; k++) {
+        float here = fog_density(i, origin + direction * (entry + (float(k) + 0.5) * step)) * least;
+        if (depth + here * step >= nothing_left)
+            return entry + float(k) * step + (nothing_left - depth) / max(here, 1e-30);
+        depth += here * step;
+    }
+    return leave;
+}
+
+// The cells' range: from the first fog on to where all end or nothing is left. False: no fog.
+bool fog_range(vec3 origin, vec3 direction, float to, out float from, out float end)
+{
+    float last = 0.0;
+    from = to;
+    end = to;
+    for (int i = 0; i < fog_counts.x; i++) {
+        float entry, leave;
+        fog_span(i, origin, direction, 0.0, to, entry, leave);
+        if (!(entry < leave)) continue;
+        from = min(from, entry);
+        float stop = fog_end(i, origin, direction, entry, leave);
+        if (stop < leave) end = min(end, stop);
+        last = max(last, leave);
+    }
+    end = min(end, last);
+    return from < end;
+}
+
 #endif

@@ -9,10 +9,11 @@
 
 /* What the parser writes to before it becomes settings. */
 typedef struct raw_options {
-    const char *pass, *view_leg, *scattered;
-    int samples, sh_order, intervals, fog_steps, surfel_limit;
-    double march_step, surfel_size;
-    bool no_surface, no_background, no_clip, no_normalise, no_shadows, no_lod, no_fog, no_surface_scattering;
+    const char *pass, *view_leg, *scattered, *interval_weights;
+    int samples, sh_order, intervals, fog_steps, shell_levels, shown_level, second_leg_steps, blur, bounce_samples, surfel_limit;
+    double march_step, shell_epsilon, shell_radius, surfel_size, bounce_radius, bounce_overlap;
+    bool no_surface, no_background, no_clip, no_normalise, no_shadows, no_lod, no_fog, no_surface_scattering,
+        shells_closed, shells_clamped, no_second_leg, blur_plain, visibility, bounce_near_off;
 } raw_options;
 
 static int refuse(const al_program *program, const char *format, ...) AL_PRINTF(2, 3);
@@ -52,6 +53,14 @@ static int set_scattered(const al_program *program, const char *word, bool *off)
     return refuse(program, "--scattered takes on or off, not '%s'", word);
 }
 
+static int set_interval_weights(const al_program *program, const char *word, al_interval_weights *weights)
+{
+    static const char *const words[AL_INTERVAL_WEIGHTS_COUNT] = {"auto", "coloured", "coefficients"};
+    for (int i = 0; i < AL_INTERVAL_WEIGHTS_COUNT; i++)
+        if (!strcmp(word, words[i])) return *weights = (al_interval_weights)i, -1;
+    return refuse(program, "--interval-weights takes auto, coloured or coefficients, not '%s'", word);
+}
+
 static int check(const al_program *program, al_play_options *options)
 {
     if (options->headless && !options->folder)
@@ -88,16 +97,33 @@ static int apply(const al_program *program, const raw_options *raw, al_play_opti
     s->surface_scattering_off = raw->no_surface_scattering;
     s->surfel_pixels = (float)raw->surfel_size;
     s->surfel_limit = (uint32_t)raw->surfel_limit;
+    s->shell_epsilon_w_m2_sr = (float)raw->shell_epsilon;
+    s->shell_levels = (uint32_t)raw->shell_levels;
+    s->shown_level = (uint32_t)raw->shown_level;
+    s->shell_radius_m = (float)raw->shell_radius;
+    s->shells_closed = raw->shells_closed;
+    s->shells_clamped = raw->shells_clamped;
+    s->second_leg_off = raw->no_second_leg;
+    s->second_leg_steps = (uint32_t)raw->second_leg_steps;
+    s->visibility = raw->visibility;
+    s->bounce_samples = (uint32_t)raw->bounce_samples;
+    s->bounce_radius_m = (float)raw->bounce_radius;
+    s->bounce_overlap = (float)raw->bounce_overlap;
+    s->bounce_near_off = raw->bounce_near_off;
+    s->blur_off = raw->blur == 0;
+    s->blur_mips = raw->blur > 0 ? (uint32_t)raw->blur : 0;
+    s->blur_plain = raw->blur_plain;
     options->headless |= options->plan;
     int code = set_pass(program, raw->pass, &s->pass);
     if (code < 0) code = set_view_leg(program, raw->view_leg, &s->view_leg);
     if (code < 0) code = set_scattered(program, raw->scattered, &s->scattered_off);
+    if (code < 0) code = set_interval_weights(program, raw->interval_weights, &s->interval_weights);
     return code < 0 ? check(program, options) : code;
 }
 
 int al_play_options_parse(al_program *program, int argc, char **argv, al_play_options *options)
 {
-    raw_options raw = {.pass = "composite", .view_leg = "marched", .scattered = "on"};
+    raw_options raw = {.pass = "composite", .view_leg = "marched", .scattered = "on", .interval_weights = "auto", .blur = -1};
     *options = (al_play_options){.size = {1280, 720}, .exposure_ev = NAN};
     const al_option table[] = {
         {"--headless", NULL, AL_OPTION_FLAG, &options->headless, "render without a display, then end", 0, 0},
@@ -123,7 +149,7 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
         {"--sh-order", "N", AL_OPTION_INT, &raw.sh_order, "bands of spherical harmonics (as baked)", 1, 8},
         {"--view-leg", "KIND", AL_OPTION_STRING, &raw.view_leg,
          "transmittance to the eye: marched or sh (marched)", 0, 0},
-        {"--intervals", "N", AL_OPTION_INT, &raw.intervals, "knots of the marched view leg (16)", 4, 32},
+        {"--intervals", "N", AL_OPTION_INT, &raw.intervals, "knots of the interval maps (16)", 4, 32},
         {"--march-step", "V", AL_OPTION_REAL, &raw.march_step, "step of the march in voxels (0.5)", 0.01,
          100},
         {"--no-surface", NULL, AL_OPTION_FLAG, &raw.no_surface, "no shading of translucent surfaces", 0, 0},
@@ -145,6 +171,26 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
          "radius of the surfels that send light into the fog (4.6)", 0.1, 1000},
         {"--surfel-limit", "N", AL_OPTION_INT, &raw.surfel_limit,
          "the most surfels; they are larger where there would be more (1048576)", 64, 4194304},
+        {"--shell-epsilon", "L", AL_OPTION_REAL, &raw.shell_epsilon,
+         "radiance a splat may leave out, W/(m2 sr) (0.06 as the exposure shows it)", 1e-12, 1e12},
+        {"--shell-levels", "N", AL_OPTION_INT, &raw.shell_levels, "levels of the splatted picture (6)", 1, 7},
+        {"--shown-level", "N", AL_OPTION_INT, &raw.shown_level, "which of them --pass shells shows (0)", 0, 6},
+        {"--shell-radius", "M", AL_OPTION_REAL, &raw.shell_radius, "of the innermost shell in m (by epsilon)", 1e-6,
+         1e6},
+        {"--shells-closed", NULL, AL_OPTION_FLAG, &raw.shells_closed, "the outermost shell ends by epsilon too", 0, 0},
+        {"--shells-clamped", NULL, AL_OPTION_FLAG, &raw.shells_clamped, "light of near surfels is clamped", 0, 0},
+        {"--no-second-leg", NULL, AL_OPTION_FLAG, &raw.no_second_leg, "no extinction between surfaces and fog", 0, 0},
+        {"--second-leg-steps", "N", AL_OPTION_INT, &raw.second_leg_steps, "of its march through grids (4)", 1, 64},
+        {"--interval-weights", "KIND", AL_OPTION_STRING, &raw.interval_weights,
+         "what the interval map stores: auto, coloured or coefficients (auto)", 0, 0},
+        {"--blur", "N", AL_OPTION_INT, &raw.blur, "mips of the blur, 0: none (1; with --visibility 3)", 0, 4},
+        {"--visibility", NULL, AL_OPTION_FLAG, &raw.visibility, "surfaces hide others from the fog", 0, 0},
+        {"--bounce-samples", "N", AL_OPTION_INT, &raw.bounce_samples, "its directions a pixel (4)", 1, 64},
+        {"--bounce-radius", "M", AL_OPTION_REAL, &raw.bounce_radius, "its innermost shell in m (1/32 of the scene)", 1e-6,
+         1e6},
+        {"--bounce-overlap", "F", AL_OPTION_REAL, &raw.bounce_overlap, "its surfels' areas are multiplied by F (3)", 1, 16},
+        {"--bounce-near-off", NULL, AL_OPTION_FLAG, &raw.bounce_near_off, "it throws near fragments away", 0, 0},
+        {"--blur-plain", NULL, AL_OPTION_FLAG, &raw.blur_plain, "blurs the medium's outline too", 0, 0},
     };
     program->options = table;
     program->option_count = sizeof table / sizeof table[0];

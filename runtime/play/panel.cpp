@@ -178,6 +178,34 @@ static void show_quality(al_panel_state *state)
     }
 }
 
+/* Light of surfaces that the fog scatters. */
+static void show_surface_scattering(al_settings *s)
+{
+    if (!ImGui::CollapsingHeader("surfaces into fog")) return;
+    bool on = !s->surface_scattering_off, leg = !s->second_leg_off, open = !s->shells_closed, blur = !s->blur_off;
+    if (ImGui::Checkbox("on", &on)) s->surface_scattering_off = !on;
+    ImGui::Checkbox("surfaces hide others", &s->visibility);
+    if (ImGui::Checkbox("extinction from surface to fog", &leg)) s->second_leg_off = !leg;
+    float epsilon = s->shell_epsilon_w_m2_sr > 0 ? s->shell_epsilon_w_m2_sr : 0.06f;
+    const char *format = s->shell_epsilon_w_m2_sr > 0 ? "%.4g" : "0.06 as shown";
+    if (ImGui::SliderFloat("epsilon, W/(m2 sr)", &epsilon, 1e-4f, 1, format, ImGuiSliderFlags_Logarithmic))
+        s->shell_epsilon_w_m2_sr = epsilon;
+    int levels = (int)(s->shell_levels ? s->shell_levels : 6), shown = (int)s->shown_level;
+    if (ImGui::SliderInt("levels", &levels, 1, 7)) s->shell_levels = (uint32_t)levels;
+    if (ImGui::SliderInt("level of pass shells", &shown, 0, levels - 1)) s->shown_level = (uint32_t)shown;
+    s->shown_level = s->shown_level < (uint32_t)levels ? s->shown_level : (uint32_t)levels - 1;
+    if (ImGui::Checkbox("outermost shell open", &open)) s->shells_closed = !open;
+    int samples = (int)(s->bounce_samples ? s->bounce_samples : 4);
+    if (ImGui::SliderInt("directions a pixel", &samples, 1, 64)) s->bounce_samples = (uint32_t)samples;
+    static const char *const weights[] = {"auto", "coloured", "coefficients"};
+    int weighing = (int)s->interval_weights;
+    if (ImGui::Combo("interval weights", &weighing, weights, 3)) s->interval_weights = (al_interval_weights)weighing;
+    if (ImGui::Checkbox("blur", &blur)) s->blur_off = !blur;
+    int mips = (int)(s->blur_mips ? s->blur_mips : s->visibility ? 3 : 1);
+    if (ImGui::SliderInt("mips of the blur", &mips, 1, 4)) s->blur_mips = (uint32_t)mips;
+    ImGui::Checkbox("blur the medium's outline", &s->blur_plain);
+}
+
 static void show_times(const al_panel_state *state)
 {
     if (!ImGui::CollapsingHeader("times", ImGuiTreeNodeFlags_DefaultOpen)) return;
@@ -227,6 +255,7 @@ static void show_panel(al_panel_state *state)
         show_time(state);
         show_picture(state, scene);
         show_quality(state);
+        if (scene->fog_count) show_surface_scattering(state->settings);
         show_times(state);
         show_plan(state->runtime);
     }

@@ -55,7 +55,8 @@ al_status al_target_read(const al_target *target, al_image *image, al_error *err
 bool al_pass_is_light(al_pass pass)
 {
     return pass == AL_PASS_COMPOSITE || pass == AL_PASS_TRANSLUCENT || pass == AL_PASS_SURFACE ||
-           pass == AL_PASS_DIRECT_SCATTERING || pass == AL_PASS_SURFACE_SCATTERING || pass == AL_PASS_SURFELS;
+           pass == AL_PASS_DIRECT_SCATTERING || pass == AL_PASS_SURFACE_SCATTERING || pass == AL_PASS_SURFELS ||
+           pass == AL_PASS_SHELLS;
 }
 
 bool al_picture_has_ending(const char *path, const char *ending)

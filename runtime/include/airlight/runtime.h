@@ -80,9 +80,19 @@ typedef enum al_pass {
     AL_PASS_DIRECT_SCATTERING, /* light that the fog scatters once towards the eye, alone */
     AL_PASS_SURFACE_SCATTERING, /* light that surfaces send and the fog scatters once towards the eye, alone */
     AL_PASS_SURFELS,       /* the surfel cloud as discs, each in the light that it sends */
+    AL_PASS_INTERVAL_MAP, /* distances of the first, middle and last sample of the view's interval map, metres */
+    AL_PASS_DEPLETION,    /* what the fog takes of light to the eye, mean of the channels, 0 to 1 */
+    AL_PASS_SHELLS,       /* one level as the shells were splatted into it */
     AL_PASS_COUNT
 } al_pass;
 const char *al_pass_name(al_pass pass); /* "composite", "translucent", ... */
+
+typedef enum al_interval_weights { /* what the view's transmittance interval map stores of the media */
+    AL_INTERVAL_WEIGHTS_AUTO = 0,     /* nothing where extinction is grey and one albedo and g hold for all; else: */
+    AL_INTERVAL_WEIGHTS_COLOURED,     /* a weight per sample and channel, and g */
+    AL_INTERVAL_WEIGHTS_COEFFICIENTS, /* scattering coefficients, as published: grey media of one g */
+    AL_INTERVAL_WEIGHTS_COUNT
+} al_interval_weights;
 
 /* Knobs; all zero is the default and the best-looking. */
 typedef struct al_settings {
@@ -102,7 +112,26 @@ typedef struct al_settings {
     float surfel_pixels;     /* radius of a surfel in the picture, 0: 4.6; 0.1 to 1000 */
     uint32_t surfel_limit;   /* the most surfels, of which each takes 64 bytes, 0: 2^20; 64 to 2^22; they are coarser
                               * where there would be more */
-    uint32_t interval_count; /* knots of the interval map, 0: 16; 4 to 32 */
+    uint32_t interval_count; /* knots of the interval maps, 0: 16; 4 to 32 */
+    /* Light of surfaces that the fog scatters to the eye: surfels splatted in shells (Nalbach et al. 2014). */
+    float shell_epsilon_w_m2_sr; /* what a splat may leave out, 0: 0.06 as the scene's exposure shows it */
+    uint32_t shell_levels;       /* 0: 6; 1 to 7 */
+    uint32_t shown_level;        /* which one AL_PASS_SHELLS shows */
+    float shell_radius_m;        /* of the innermost shell, 0: by epsilon */
+    bool shells_closed;          /* the outermost shell ends by epsilon, as published */
+    bool shells_clamped;         /* squared distances held above A/pi, as published */
+    bool second_leg_off;         /* no extinction between surfel and medium, as published */
+    uint32_t second_leg_steps;   /* through gridded media, 0: 4; 1 to 64 */
+    bool visibility;             /* surfaces hide others from the medium, by a bounced z-buffer instead of shells */
+    uint32_t bounce_samples;     /* directions a pixel, 0: 4; 1 to 64 */
+    float bounce_radius_m;       /* of its innermost shell, 0: 1/32 of the scene's extent */
+    float bounce_overlap;        /* what surfels' areas are multiplied by, 0: 3; 1 to 16 */
+    bool bounce_near_off;        /* fragments nearer than their level's shell are thrown away */
+    al_interval_weights interval_weights;
+    bool interval_jitter_off; /* nothing is drawn at random on the rays */
+    bool blur_off;
+    bool blur_plain;    /* light is blurred with the medium's outline, as published */
+    uint32_t blur_mips; /* above a level's own, 0: 1; 1 to 4 */
     float march_voxels;      /* step of the march in voxels, 0: 0.5 */
     al_pass pass;
     /* Called, unless NULL, when another tile of at most 2048 x 1088 pixels is finished; waits for the device

@@ -1,0 +1,160 @@
+/* The bounced z-buffer: rays from the pixels' places, the nearest surfel on each of them by the depth test. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "state.h"
+
+/* Diagonal of the box around all opaque instances, m. */
+static float scene_extent(const al_runtime *runtime)
+{
+    float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, squared = 0;
+    for (uint32_t i = 0; i < runtime->scene.instance_count; i++) {
+        float box[2][3];
+        if (runtime->scene.instances[i].role != AL_ROLE_OPAQUE) continue;
+        al_model_world_box(runtime, &runtime->scene.instances[i], box[0], box[1]);
+        for (int k = 0; k < 3; k++) {
+            low[k] = fminf(low[k], box[0][k]);
+            high[k] = fmaxf(high[k], box[1][k]);
+        }
+    }
+    for (int k = 0; k < 3; k++) squared += (high[k] - low[k]) * (high[k] - low[k]);
+    return sqrtf(squared);
+}
+
+static al_status fit(al_draw *draw)
+{
+    al_runtime *runtime = draw->runtime;
+    al_bounce *bounce = &runtime->bounce;
+    al_gl_memory *memory = &runtime->memory;
+    const al_shell_block *shells = &runtime->shells.block;
+    uint32_t width = (uint32_t)shells->size[0], height = (uint32_t)shells->size[1], levels = (uint32_t)shells->counts[0];
+    al_status status = AL_OK;
+    if (!bounce->constants.id)
+        status = al_gl_buffer_create(memory, sizeof(al_bounce_block), NULL, &bounce->constants, draw->error);
+    if (!status)
+        status = al_gl_texture_fit(memory, GL_TEXTURE_2D, GL_RGBA32F, (uint32_t)draw->tile[2], (uint32_t)draw->tile[3],
+                                   1, &bounce->rays, draw->error);
+    if (!status)
+        status = al_gl_texture_fit(memory, GL_TEXTURE_2D_ARRAY, GL_R32UI, width, height, levels, &bounce->hits,
+                                   draw->error);
+    if (!status)
+        status = al_gl_texture_fit(memory, GL_TEXTURE_2D_ARRAY, GL_DEPTH_COMPONENT32F, width, height, levels,
+                                   &bounce->depths, draw->error);
+    if (!status) status = al_shells_fit_light(draw, 1);
+    if (status) return status;
+    if (!bounce->framebuffer) glCreateFramebuffers(1, &bounce->framebuffer);
+    glNamedFramebufferTexture(bounce->framebuffer, GL_COLOR_ATTACHMENT0, bounce->hits.id, 0);
+    glNamedFramebufferTexture(bounce->framebuffer, GL_DEPTH_ATTACHMENT, bounce->depths.id, 0);
+    return AL_OK;
+}
+
+static void bind_intervals(const al_draw *draw)
+{
+    const al_shells *shells = &draw->runtime->shells;
+    al_gl_bind_texture(AL_UNIT_PASS, shells->steps.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 1, shells->ends.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 2, shells->weights.id);
+}
+
+static void dispatch(const int32_t size[2])
+{
+    glDispatchCompute(((GLuint)size[0] + 7) / 8, ((GLuint)size[1] + 7) / 8, 1);
+    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+}
+
+static al_status draw_rays(al_draw *draw)
+{
+    al_runtime *runtime = draw->runtime;
+    GLuint program;
+    al_status status = al_shaders_get(runtime->shaders, "bounce_medium.comp", al_interval_map_define(runtime), &program,
+                                      draw->error);
+    if (status) return status;
+    al_timing_begin(&runtime->timing, AL_STAGE_BOUNCE_RAYS);
+    glUseProgram(program);
+    bind_intervals(draw);
+    glBindImageTexture(0, runtime->bounce.rays.id, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
+    dispatch(draw->tile + 2);
+    al_timing_end(&runtime->timing);
+    return AL_OK;
+}
+
+/* The nearest surfel on every ray, level by level. */
+static al_status splat(al_draw *draw)
+{
+    static const GLuint nothing[4] = {0};
+    static const float far[1] = {1};
+    al_runtime *runtime = draw->runtime;
+    al_bounce *bounce = &runtime->bounce;
+    const al_shell_block *block = &runtime->shells.block;
+    char defines[64];
+    GLuint program;
+    snprintf(defines, sizeof defines, "#define AL_LEVELS %d\n", block->counts[0]);
+    al_status status = al_shaders_get(runtime->shaders, "shell.vert bounce.geom bounce.frag", defines, &program,
+                                      draw->error);
+    if (status) return status;
+    al_timing_begin(&runtime->timing, AL_STAGE_BOUNCE);
+    glBindFramebuffer(GL_FRAMEBUFFER, bounce->framebuffer);
+    glDisable(GL_SCISSOR_TEST);
+    glClearNamedFramebufferuiv(bounce->framebuffer, GL_COLOR, 0, nothing);
+    glClearNamedFramebufferfv(bounce->framebuffer, GL_DEPTH, 0, far);
+    glViewport(0, 0, block->size[0], block->size[1]);
+    glUseProgram(program);
+    al_gl_bind_texture(AL_UNIT_PASS, bounce->rays.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 3, runtime->shells.span.id);
+    glEnable(GL_DEPTH_TEST);
+    al_surfels_draw_points(draw, 1);
+    glDisable(GL_DEPTH_TEST);
+    al_timing_end(&runtime->timing);
+    return AL_OK;
+}
+
+static al_status add_light(al_draw *draw)
+{
+    al_runtime *runtime = draw->runtime;
+    GLuint program;
+    al_status status = al_shaders_get(runtime->shaders, "bounce_light.comp", al_interval_map_define(runtime), &program,
+                                      draw->error);
+    if (status) return status;
+    al_timing_begin(&runtime->timing, AL_STAGE_BOUNCE_LIGHT);
+    glUseProgram(program);
+    bind_intervals(draw);
+    al_gl_bind_texture(AL_UNIT_PASS + 3, runtime->bounce.hits.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 4, runtime->bounce.depths.id);
+    glBindImageTexture(0, runtime->shells.light.id, 0, GL_TRUE, 0, GL_READ_WRITE, GL_RGBA32F);
+    glBindImageTexture(1, runtime->bounce.rays.id, 0, GL_FALSE, 0, GL_READ_ONLY, GL_RGBA32F);
+    dispatch(runtime->shells.block.size);
+    al_timing_end(&runtime->timing);
+    return AL_OK;
+}
+
+al_status al_bounce_medium(al_draw *draw)
+{
+    al_runtime *runtime = draw->runtime;
+    const al_settings *settings = &draw->settings;
+    float extent = scene_extent(runtime);
+    al_bounce_block block = {
+        .reach = {settings->bounce_radius_m > 0 ? settings->bounce_radius_m : extent / 32, 1e4f * extent,
+                  settings->bounce_overlap, 1e15f},
+        .sample = {0, (int32_t)settings->bounce_samples, settings->bounce_near_off}};
+    al_status status = fit(draw);
+    for (; block.sample[0] < block.sample[1] && !status; block.sample[0]++) {
+        glNamedBufferSubData(runtime->bounce.constants.id, 0, sizeof block, &block);
+        glBindBufferBase(GL_UNIFORM_BUFFER, 4, runtime->bounce.constants.id);
+        status = draw_rays(draw);
+        if (!status) status = splat(draw);
+        if (!status) status = add_light(draw);
+    }
+    return status;
+}
+
+void al_bounce_free(al_runtime *runtime)
+{
+    al_bounce *bounce = &runtime->bounce;
+    al_gl_texture_free(&runtime->memory, &bounce->rays);
+    al_gl_texture_free(&runtime->memory, &bounce->hits);
+    al_gl_texture_free(&runtime->memory, &bounce->depths);
+    al_gl_buffer_free(&runtime->memory, &bounce->constants);
+    if (bounce->framebuffer) glDeleteFramebuffers(1, &bounce->framebuffer);
+    memset(bounce, 0, sizeof *bounce);
+}

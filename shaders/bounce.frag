@@ -1,0 +1,40 @@
+#version 450 core
+// Whether the pixel's ray hits the surfel's disc; the depth test keeps the nearest.
+//
+// A surfel whose middle lies in the shell stands for 4^l surfels, so its disc has 2^l times the radius. Nearer ones,
+// which a finer level takes, are tested too, as large as they are there: the same fragment, fewer gaps.
+#extension GL_GOOGLE_include_directive : enable
+#include "frame.glsl"
+#include "bounce.glsl"
+
+layout(binding = 2) uniform sampler2D rays; // direction, distance of the origin; 0: none
+
+flat in vec4 disc;
+flat in vec3 facing;
+flat in vec4 shell;
+flat in int number;
+layout(location = 0) out uint hit; // number of the surfel, from 1
+
+void main()
+{
+    ivec2 pixel = pixel_of_texel(ivec2(gl_FragCoord.xy), int(shell.w));
+    if (any(greaterThanEqual(pixel, shell_size.zw))) discard;
+    vec4 ray = texelFetch(rays, pixel, 0);
+    if (ray.w == 0.0) discard;
+    vec3 origin, direction;
+    view_ray(view_pixel(vec2(pixel) + 0.5), origin, direction);
+    vec3 path = disc.xyz - origin - ray.w * direction;
+    float squared = dot(path, path), scale = shell.z;
+    if (squared >= shell.y) discard;
+    if (squared < shell.x) {
+        if (bounce_sample.z != 0) discard;
+        float shells = log2(squared) - 2.0 * log2(bounce_reach.x); // twice the number of the shell, less one
+        scale = exp2(2.0 * ceil(max(0.5 * shells, 0.0)));
+    }
+    float away = dot(facing, path), slope = dot(facing, ray.xyz);
+    float t = away / (slope != 0.0 ? slope : 1e-30);
+    vec3 off = t * ray.xyz - path;
+    if (!(t > 0.0) || !(dot(off, off) <= disc.w * scale)) discard;
+    hit = uint(number);
+    gl_FragDepth = min(t * t / (bounce_reach.y * bounce_reach.y), 1.0);
+}

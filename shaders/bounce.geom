@@ -1,0 +1,37 @@
+#version 450 core
+// The shells of one surfel for the bounced z-buffer: as shell.geom's, but of one radius for all surfels, as dark ones
+// block too.
+#extension GL_GOOGLE_include_directive : enable
+#include "frame.glsl"
+#include "splat_quad.glsl"
+#include "bounce.glsl"
+#include "surfels.glsl"
+
+layout(points, invocations = AL_LEVELS) in;
+layout(triangle_strip, max_vertices = 4) out;
+
+flat in int surfel[];
+flat out vec4 disc;   // xyz: middle; w: radius squared at level 0, enlarged
+flat out vec3 facing; // unit normal
+flat out vec4 shell;  // inner and outer radius squared; 4^l; l
+flat out int number;
+
+void main()
+{
+    Surfel s = surfels[surfel[0]];
+    int level = gl_InvocationID;
+    vec2 radii = shell_radii(bounce_reach.x, level);
+    radii.y = min(radii.y, bounce_reach.w);
+    vec4 bounds;
+    if (!(radii.x < radii.y) || !splat_bounds(s.place.xyz, radii.y, level, surfel[0], bounds)) return;
+    for (int i = 0; i < 4; i++) {
+        disc = vec4(s.place.xyz, s.place.w / 3.14159265 * bounce_reach.z);
+        facing = s.facing.xyz;
+        shell = vec4(radii * radii, float(1 << 2 * level), float(level));
+        number = surfel[0] + 1;
+        gl_Layer = level;
+        gl_Position = vec4((i & 1) == 0 ? bounds.x : bounds.z, (i & 2) == 0 ? bounds.y : bounds.w, 0.0, 1.0);
+        EmitVertex();
+    }
+    EndPrimitive();
+}

@@ -1,0 +1,56 @@
+#version 450 core
+// One ray per pixel from one sample of its ray through the medium, drawn among them, into a direction drawn from the
+// phase function there: where its light may come from.
+//
+// Henyey-Greenstein's cosine between the directions of travel is drawn by inverting its distribution (Witt 1977);
+// near g = 0 that cancels, and the series 1 - 2 u + ... is not needed below 1e-3: an even draw is within g of it.
+#extension GL_GOOGLE_include_directive : enable
+#include "formulas.glsl"
+#include "frame.glsl"
+#include "interval_map.glsl"
+#include "bounce.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(binding = 0, rgba32f) writeonly uniform image2D rays; // direction, distance of the origin; 0: none
+
+float scattering_cosine(float g, float u)
+{
+    if (abs(g) < 1e-3) return 1.0 - 2.0 * u;
+    float root = (1.0 - g * g) / (1.0 + g - 2.0 * g * u);
+    return clamp((1.0 + g * g - root * root) / (2.0 * g), -1.0, 1.0);
+}
+
+// A unit vector at the cosine from `axis`, turned about it by the share of a full turn (frame: Duff et al. 2017).
+vec3 turned(vec3 axis, float cosine, float turn)
+{
+    float s = axis.z < 0.0 ? -1.0 : 1.0, a = -1.0 / (s + axis.z), b = axis.x * axis.y * a;
+    vec3 x = vec3(1.0 + s * axis.x * axis.x * a, s * b, -s * axis.x), y = vec3(b, s + axis.y * axis.y * a, -axis.y);
+    float sine = sqrt(max(1.0 - cosine * cosine, 0.0)), angle = 2.0 * AL_PI * turn;
+    return axis * cosine + sine * (x * cos(angle) + y * sin(angle));
+}
+
+void main()
+{
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(pixel, shell_size.zw))) return;
+    vec4 ends = texelFetch(interval_ends, pixel, 0);
+    imageStore(rays, pixel, vec4(0.0));
+    if (ends.z <= 0.0) return;
+    uint bits;
+    int drawn = bounce_drawn(pixel + tile.xy, bits);
+    float u = unit_float(mix_bits(bits ^ 0x68bc21ebu)), v = unit_float(mix_bits(bits ^ 0x02e5be93u));
+    uvec4 words;
+    float t = ends.x;
+    for (int k = 0; k <= drawn; k++) {
+        if ((k & 15) == 0) words = texelFetch(interval_steps, ivec3(pixel, k >> 4), 0);
+        t += interval_byte(words, k) * ends.y;
+    }
+    float g = shell_medium.w;
+#ifdef AL_WEIGHTS
+    g = texelFetch(interval_weights, ivec3(pixel, drawn), 0).a * 2.0 - 1.0;
+#endif
+    vec3 origin, direction;
+    view_ray(view_pixel(vec2(pixel) + 0.5), origin, direction);
+    // Light travels to the eye along -direction, and came along minus the ray's: the cosine is that of the two rays.
+    imageStore(rays, pixel, vec4(turned(direction, scattering_cosine(g, u), v), max(t, 1e-30)));
+}

@@ -1,0 +1,39 @@
+#version 450 core
+// Where the medium starts at least and ends at most among four texels of the mip below; of the first mip, on the
+// pixel's own ray (AL_FIRST).
+#extension GL_GOOGLE_include_directive : enable
+#include "interval_map.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(binding = 0, rg32f) writeonly uniform image2D above;
+layout(binding = 5) uniform sampler2D interval_span;
+layout(location = 0) uniform int mip; // of the four
+
+vec2 span_of(ivec2 place)
+{
+    vec4 ends = texelFetch(interval_ends, place, 0);
+    if (any(greaterThanEqual(place, shell_size.zw)) || ends.z <= 0.0) return vec2(1e30, 0.0);
+    float t = ends.x;
+    for (int k = 0; k < shell_counts.y;) {
+        uvec4 words = texelFetch(interval_steps, ivec3(place, k >> 4), 0);
+        for (int j = 0; j < 16 && k < shell_counts.y; j++, k++) t += interval_byte(words, j) * ends.y;
+    }
+    return vec2(ends.x, t);
+}
+
+void main()
+{
+    ivec2 place = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(place, imageSize(above)))) return;
+#ifdef AL_FIRST
+    vec2 span = span_of(place);
+#else
+    ivec2 last = textureSize(interval_span, mip) - 1;
+    vec2 span = vec2(1e30, 0.0);
+    for (int i = 0; i < 4; i++) {
+        vec2 one = texelFetch(interval_span, min(2 * place + ivec2(i & 1, i >> 1), last), mip).xy;
+        span = vec2(min(span.x, one.x), max(span.y, one.y));
+    }
+#endif
+    imageStore(above, place, vec4(span, 0.0, 0.0));
+}

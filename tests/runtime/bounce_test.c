@@ -1,0 +1,152 @@
+/* The bounced z-buffer with one level and splats as large as the view: on every pixel's ray the same surfel as brute
+ * force over all discs, at the same distance. */
+#include <epoxy/gl.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../../runtime/state.h"
+#include "../test.h"
+#include "airlight/formulas.h"
+#include "sphere.h"
+#include "stage.h"
+
+enum { EDGE = 48 };
+
+typedef struct surfel {
+    float place[4], facing[4], front[4], back[4];
+} surfel;
+
+typedef struct ray {
+    double origin[3], direction[3];
+} ray;
+
+static al_runtime *open_scene(const char *folder)
+{
+    al_runtime *runtime = NULL;
+    al_error error = {0};
+    sphere_scene s;
+    al_fog fog = {.bounded = true, .bounds_min_m = {-1, -1, -1}, .bounds_max_m = {1, 1, 1}, .density = 1, .asset = ""};
+    sphere_scene_begin(&s);
+    for (int k = 0; k < 3; k++) s.medium.sigma_s_per_m[k] = 0.7f;
+    s.medium.g = 0.2f;
+    s.scene.fogs = &fog;
+    s.scene.fog_count = 1;
+    s.scene.baked = (al_baked_light){"", ""};
+    sphere_scene_add_floor(&s, 2, (float[3]){0, -0.8f, 0});
+    sphere_scene_add_floor(&s, 0.5f, (float[3]){0.3f, -0.1f, 0.2f});
+    sphere_scene_add_light(&s, AL_LIGHT_POINT, (float[3]){0, 0.5f, 0}, 1);
+    CHECK(sphere_scene_write(folder, &s));
+    CHECK(al_runtime_create(NULL, &runtime, &error) == AL_OK);
+    CHECK(stage_load(runtime, folder));
+    sphere_scene_end(&s);
+    return runtime;
+}
+
+static surfel *read_surfels(const al_runtime *runtime, uint32_t *count)
+{
+    *count = (uint32_t)al_surfels_count(runtime);
+    surfel *surfels = malloc((*count + 1) * sizeof *surfels);
+    glGetNamedBufferSubData(runtime->surfels.cloud.id, 0, (GLsizeiptr)(*count * sizeof *surfels), surfels);
+    return surfels;
+}
+
+static ray pixel_ray(const al_frame_block *frame, uint32_t pixel, const float stored[4])
+{
+    ray r;
+    double view[3], length = 0;
+    for (int k = 0; k < 3; k++) {
+        view[k] = frame->ray[3][k] + (pixel % EDGE + 0.5) * frame->ray[4][k] + (pixel / EDGE + 0.5) * frame->ray[5][k];
+        length += view[k] * view[k];
+    }
+    for (int k = 0; k < 3; k++) {
+        r.origin[k] = frame->ray[0][k] + (pixel % EDGE + 0.5) * frame->ray[1][k] +
+                      (pixel / EDGE + 0.5) * frame->ray[2][k] + stored[3] * view[k] / sqrt(length);
+        r.direction[k] = stored[k];
+    }
+    return r;
+}
+
+/* Distance at which the ray meets the disc of `radius2`, INFINITY where it does not; how near its rim, relative. */
+static double meet(const ray *r, const surfel *s, double radius2, double *rim)
+{
+    double slope = 0, away = 0, squared = 0;
+    for (int k = 0; k < 3; k++) {
+        slope += s->facing[k] * r->direction[k];
+        away += s->facing[k] * (s->place[k] - r->origin[k]);
+    }
+    double t = away / slope;
+    for (int k = 0; k < 3; k++) {
+        double off = r->origin[k] + t * r->direction[k] - s->place[k];
+        squared += off * off;
+    }
+    *rim = fabs(squared / radius2 - 1);
+    return t > 0 && squared <= radius2 ? t : INFINITY;
+}
+
+static void check_frame(const al_runtime *runtime, float overlap)
+{
+    const al_bounce *bounce = &runtime->bounce;
+    static float rays[EDGE * EDGE][4];
+    al_frame_block frame;
+    al_bounce_block block;
+    uint32_t count, width = bounce->hits.width, hits = 0, rims = 0;
+    surfel *surfels = read_surfels(runtime, &count);
+    uint32_t *numbers = malloc((size_t)width * bounce->hits.height * 4);
+    float *depths = malloc((size_t)width * bounce->hits.height * 4);
+    glGetNamedBufferSubData(runtime->frame_block.id, 0, sizeof frame, &frame);
+    glGetNamedBufferSubData(bounce->constants.id, 0, sizeof block, &block);
+    glGetTextureImage(bounce->rays.id, 0, GL_RGBA, GL_FLOAT, sizeof rays, rays);
+    glGetTextureImage(bounce->hits.id, 0, GL_RED_INTEGER, GL_UNSIGNED_INT, (GLsizei)(width * bounce->hits.height * 4),
+                      numbers);
+    glGetTextureImage(bounce->depths.id, 0, GL_DEPTH_COMPONENT, GL_FLOAT, (GLsizei)(width * bounce->hits.height * 4),
+                      depths);
+    for (uint32_t i = 0; i < EDGE * EDGE; i++) {
+        if (rays[i][3] == 0) continue;
+        ray r = pixel_ray(&frame, i, rays[i]);
+        uint32_t found = 0, at = i / EDGE * width + i % EDGE;
+        double nearest = INFINITY, rim, closest_rim = 1;
+        for (uint32_t s = 0; s < count; s++) {
+            double t = meet(&r, &surfels[s], surfels[s].place[3] / AL_PI * overlap, &rim);
+            closest_rim = fmin(closest_rim, rim);
+            if (t >= nearest) continue;
+            nearest = t;
+            found = s + 1;
+        }
+        double depth = sqrt((double)depths[at]) * block.reach[1];
+        if (numbers[at] != found && closest_rim < 1e-4) {
+            rims++; /* a ray through a rim: rounding decides */
+            continue;
+        }
+        hits += found > 0;
+        CHECK(numbers[at] == found || fabs(depth - nearest) < 1e-5 * nearest); /* coplanar discs: either is nearest */
+        if (found && numbers[at]) CHECK_NEAR(depth, nearest, 1e-5 * nearest + 2e-6);
+    }
+    printf("%u rays hit one of %u discs, %u met a rim\n", hits, count, rims);
+    CHECK(hits > EDGE * EDGE / 8);
+    CHECK(rims < EDGE * EDGE / 100);
+    free(surfels);
+    free(numbers);
+    free(depths);
+}
+
+int main(void)
+{
+    if (!stage_open()) return test_skip("no OpenGL 4.5 context");
+    const char *folder = stage_folder();
+    CHECK(folder != NULL);
+    if (!folder) return test_end();
+    al_runtime *runtime = open_scene(folder);
+    al_view view = stage_look(EDGE, EDGE, (float[3]){0.2f, 0.1f, 3}, (float[3]){0, 0, 0}, 0.7f);
+    for (int i = 0; i < 2; i++) {
+        al_settings settings = {.pass = AL_PASS_SURFACE_SCATTERING,
+                                .visibility = true,
+                                .surfel_pixels = 1,
+                                .shell_levels = 1,
+                                .bounce_samples = 1,
+                                .bounce_overlap = i ? 1 : 4};
+        free(stage_draw(runtime, &view, &settings, 0));
+        check_frame(runtime, settings.bounce_overlap);
+    }
+    al_runtime_destroy(runtime);
+    return test_end();
+}
