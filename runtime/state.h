@@ -16,7 +16,7 @@ enum {
     AL_TILE_HEIGHT = 1088,
     AL_KNOT_LIMIT = 32,
     AL_ENVIRONMENT_BANDS = 9,
-    AL_PLAN_LIMIT = 16
+    AL_PLAN_LIMIT = 24
 };
 
 /* Texture units of shaders/: the first two and the last eight keep their texture through a frame, and that of
