@@ -133,11 +133,12 @@ static void test_plan(const char *folder)
         unneeded++;
         CHECK(rows[i].bytes == 0 && rows[i].seconds == 0);
         const char *step = rows[i].step;
-        CHECK(!strcmp(step, "skin") || !strcmp(step, "surfels") || !strcmp(step, "shadow") ||
+        CHECK(!strcmp(step, "skin") || !strcmp(step, "surfels") || !strcmp(step, "interval-map") ||
+              !strcmp(step, "surface-scattering") || !strcmp(step, "shadow") ||
               !strcmp(step, "environment") || !strcmp(step, "lightmap") ||
               !strcmp(step, "probes") || !strcmp(step, "direct-scattering"));
     }
-    CHECK(unneeded == 7);
+    CHECK(unneeded == 9);
     uint32_t stages = al_runtime_times(runtime, times, 16);
     CHECK(stages >= 4);
     for (uint32_t i = 0; i < stages; i++) CHECK(times[i].ms >= 0 && times[i].ms < 60000);
