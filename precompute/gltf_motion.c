@@ -461,6 +461,9 @@ static al_status read_surface(al_gltf_motion *m, const json_t *primitive, surfac
     if (mode != AL_NO_INDEX && mode != 4)
         return al_fail(error, AL_BAD_INPUT, "%s: a mesh with a skin or morph targets has primitives of mode %u; "
                        "triangles (4) are right", m->name, mode);
+    if (json_object_get(json_object_get(primitive, "extensions"), "KHR_draco_mesh_compression"))
+        return al_fail(error, AL_BAD_INPUT, "%s: a mesh with a skin or morph targets is compressed (Draco); numbers as they "
+                       "are would be right", m->name);
     al_status status = al_gltf_numbers(m->file, al_gltf_index(attributes, "POSITION"), 3, "POSITION", &s->positions,
                                        &s->vertex_count, error);
     if (!status)

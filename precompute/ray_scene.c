@@ -99,6 +99,13 @@ static void fill_materials(const al_mesh *mesh, uint32_t *materials)
     }
 }
 
+/* Of the upper 3x3 part; cyclic indices carry the sign. */
+static double cofactor(const double m[16], int row, int column)
+{
+    int r1 = (row + 1) % 3, r2 = (row + 2) % 3, c1 = 4 * ((column + 1) % 3), c2 = 4 * ((column + 2) % 3);
+    return m[c1 + r1] * m[c2 + r2] - m[c2 + r1] * m[c1 + r2];
+}
+
 static al_status add_opaque(const al_import *import, uint32_t index, surface *out, al_error *error)
 {
     const al_instance *instance = &import->scene.instances[index];
@@ -113,9 +120,14 @@ static al_status add_opaque(const al_import *import, uint32_t index, surface *ou
     out->mesh = mesh;
     out->instance = index;
     out->mirrored = al_matrix_determinant(world) < 0;
-    /* Instances are only turned, moved and scaled evenly: normals turn like vectors. */
+    /* Instances that stand still are only turned, moved and scaled evenly: their normals turn like vectors. Others
+     * may be squeezed by their motion: theirs turn with the cofactors. */
+    bool even = !al_motion_moves(&import->scene.motion, index);
     for (int row = 0; row < 3; row++)
-        for (int column = 0; column < 3; column++) out->rotation[3 * row + column] = world[4 * column + row];
+        for (int column = 0; column < 3; column++)
+            out->rotation[3 * row + column] = even            ? world[4 * column + row]
+                                              : out->mirrored ? -cofactor(world, row, column)
+                                                              : cofactor(world, row, column);
     for (size_t i = 0; i < mesh->vertex_count; i++) {
         double position[3] = {mesh->positions[3 * i], mesh->positions[3 * i + 1], mesh->positions[3 * i + 2]};
         al_matrix_point(world, position, out->positions + 3 * i);

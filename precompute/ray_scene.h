@@ -21,7 +21,7 @@ typedef struct al_segment {
 
 typedef enum al_ray_scene_content {
     AL_RAY_SCENE_ALL = 0,
-    AL_RAY_SCENE_STILL = 1 /* without opaque instances lit by probes: they may move */
+    AL_RAY_SCENE_STILL = 1 /* without opaque instances that move or are lit by probes: those may */
 } al_ray_scene_content;
 
 typedef struct al_ray_scene al_ray_scene;
