@@ -235,6 +235,7 @@ static al_status draw_frame(al_draw *draw)
     draw->needs_shading = pass == AL_PASS_COMPOSITE || pass == AL_PASS_SURFACE;
     draw->needs_light = pass == AL_PASS_COMPOSITE || pass == AL_PASS_TRANSLUCENT || pass == AL_PASS_UNITY;
     al_status status = fill_view(draw);
+    if (!status) status = al_motion_draw(draw); /* before what binds buffers for the whole frame */
     if (status) return status;
     al_environment_fill(draw);
     al_gl_bind_texture(AL_UNIT_ENVIRONMENT, runtime->environment.id);
@@ -246,8 +247,7 @@ static al_status draw_frame(al_draw *draw)
                                               (draw->needs_surfels && pass != AL_PASS_SURFELS));
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, runtime->frame_block.id);
     if (pass == AL_PASS_SHELLS) draw->settings.visibility = false;
-    status = al_motion_draw(draw);
-    if (!status) status = al_shadow_draw(draw);
+    status = al_shadow_draw(draw);
     if (!status) status = al_surfels_run(draw);
     if (!status && draw->needs_map) status = al_shells_prepare(draw);
     for (uint32_t i = 0; i < runtime->scene.translucent_count && !status; i++)

@@ -78,6 +78,8 @@ static void update_box(const al_motion_deform *d, const al_deformed *state, al_m
         add_moved_box(&state->boxes[i], low, high, d->joint_count ? state->pose + ROW_FLOATS * (size_t)i : still, &box);
     memcpy(mesh->low, box.low, sizeof box.low);
     memcpy(mesh->high, box.high, sizeof box.high);
+    float x = box.high[0] - box.low[0], y = box.high[1] - box.low[1], z = box.high[2] - box.low[2];
+    mesh->longest_edge = sqrtf(x * x + y * y + z * z);
 }
 
 /* --- at load --- */

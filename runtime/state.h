@@ -163,7 +163,7 @@ typedef struct al_model_mesh {
     al_gl_buffer vertices, indices; /* position, normal, uv; uint32 */
     al_gl_buffer uv1;               /* only where an instance of it has a lightmap */
     float low[3], high[3];          /* box of the positions */
-    float longest_edge;             /* of its triangles */
+    float longest_edge;             /* of its triangles; of a deformed mesh a bound */
 } al_model_mesh;
 
 typedef struct al_model {

@@ -391,12 +391,10 @@ static al_status even_slice(void *user, uint32_t frame, uint32_t z, float *densi
     return AL_OK;
 }
 
-/* A grid of density 1 in a box of 1.2 m between sun and floor: the march finds what the box takes, within the
- * half floats of its bricks, 2^-11 of an optical depth of 1.8, and the rounding of 24 steps. */
-static void test_grid(void)
+/* A box of 1.2 m, its middle at y = 1, holds a grid of density 1; the sun shines down through it. */
+static al_runtime *open_under_box(const triangles *t, const al_motion *motion)
 {
     char path[512];
-    triangles t = {0};
     al_error error = {0};
     sphere_scene s;
     al_runtime *runtime = NULL;
@@ -413,28 +411,93 @@ static void test_grid(void)
     data.info.grid_to_world[15] = 1;
     snprintf(path, sizeof path, "%s/fog.medium.air", folder);
     CHECK(al_medium_write(path, &data, NULL, &error) == AL_OK);
-    add_square(&t, (float[3]){-1, 0, -1}, (float[3]){0, 0, 2}, (float[3]){2, 0, 0}, 1);
     sphere_scene_begin(&s);
     s.scene.baked = (al_baked_light){"", ""};
     s.scene.fogs = &fog;
     s.scene.fog_count = 1;
-    use_triangles(&s, &t);
+    if (motion) s.scene.motion = *motion;
+    use_triangles(&s, t);
     sphere_scene_add_floor(&s, 1, (float[3]){0, 0, 0});
     sphere_scene_add_light(&s, AL_LIGHT_DIRECTIONAL, (float[3]){0, -1, 0}, (float)AL_PI);
     CHECK(sphere_scene_write(folder, &s));
     sphere_scene_end(&s);
     CHECK(al_runtime_create(NULL, &runtime, &error) == AL_OK && stage_load(runtime, folder));
-    al_view view = front_view();
-    cloud c = draw_cloud(runtime, &view, &shown);
+    return runtime;
+}
+
+/* All surfels of `c` lie at `height` and get what the box leaves of the sun: the march finds it within the
+ * half floats of its bricks, 2^-11 of an optical depth of 1.8, and the rounding of 24 steps. */
+static void check_under_box(const cloud *c, double height)
+{
     int under = 0;
-    for (uint32_t i = 0; i < c.count; i++) {
-        const surfel *f = &c.surfels[i];
+    for (uint32_t i = 0; i < c->count; i++) {
+        const surfel *f = &c->surfels[i];
         bool below = fabsf(f->place[0]) < 0.6f && fabsf(f->place[2]) < 0.6f;
         under += below;
+        CHECK_NEAR(f->place[1], height, 1e-6);
         for (int k = 0; k < 3; k++)
             CHECK_NEAR(f->front[k] / (below ? exp(-0.6 * (k + 1)) : 1), 1, below ? 1e-3 : 1e-6);
     }
-    CHECK(under > 50 && under < (int)c.count);
+    CHECK(under > 50 && under < (int)c->count);
+}
+
+static void test_grid(void)
+{
+    triangles t = {0};
+    add_square(&t, (float[3]){-1, 0, -1}, (float[3]){0, 0, 2}, (float[3]){2, 0, 0}, 1);
+    al_runtime *runtime = open_under_box(&t, NULL);
+    al_view view = front_view();
+    cloud c = draw_cloud(runtime, &view, &shown);
+    check_under_box(&c, 0);
+    free(c.surfels);
+    al_runtime_destroy(runtime);
+    free(t.corners);
+}
+
+/* A morph target makes the floor twice as large and lowers it by 1 m: surfels follow, in place and number. */
+static void test_morphed(void)
+{
+    static float times[] = {0, 1, 2}, weights[] = {0, 1, 0}, positions[6][3], normals[6][3], deltas[6][3],
+                 turns[6][3];
+    al_motion_node node = {"",  AL_NO_INDEX,  {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
+                           {0}, {0, 0, 0, 1}, {1, 1, 1}};
+    al_motion_channel channel = {0, AL_MOTION_WEIGHTS, AL_MOTION_LINEAR, 3, 1, times, weights};
+    al_motion_deform deform = {.target_count = 1,
+                               .bind_positions = positions[0],
+                               .bind_normals = normals[0],
+                               .has_normals = true,
+                               .position_deltas = deltas[0],
+                               .normal_deltas = turns[0]};
+    al_motion motion = {.node_count = 1,
+                        .channel_count = 1,
+                        .deform_count = 1,
+                        .nodes = &node,
+                        .channels = &channel,
+                        .deforms = &deform};
+    triangles t = {0};
+    add_square(&t, (float[3]){-0.5f, 0, -0.5f}, (float[3]){0, 0, 1}, (float[3]){1, 0, 0}, 1);
+    for (int i = 0; i < 6; i++) {
+        memcpy(positions[i], t.corners[i / 3][i % 3], sizeof positions[i]);
+        memcpy(deltas[i], positions[i], sizeof deltas[i]);
+        normals[i][1] = 1;
+        deltas[i][1] = -1;
+        for (int k = 0; k < 3; k++) turns[i][k] = 0.1f;
+    }
+    al_runtime *runtime = open_under_box(&t, &motion);
+    al_view view = front_view();
+    for (int i = 1; i < 3; i++) {
+        al_runtime_set_time(runtime, i / 2.0);
+        free(draw_cloud(runtime, &view, &shown).surfels); /* finds out how many there are */
+        al_runtime_set_time(runtime, i / 2.0 + 2);
+        cloud c = draw_cloud(runtime, &view, &shown);
+        double edge = 1 + i / 2.0;
+        CHECK_NEAR(c.area, edge * edge, 4 * sqrt(c.squares));
+        check_under_box(&c, -i / 2.0);
+        free(c.surfels);
+    }
+    al_runtime_set_time(runtime, 0.75); /* a new pose and its light in the same frame */
+    cloud c = draw_cloud(runtime, &view, &shown);
+    check_under_box(&c, -0.75);
     free(c.surfels);
     al_runtime_destroy(runtime);
     free(t.corners);
@@ -743,6 +806,7 @@ int main(void)
     test_point();
     test_sides();
     test_grid();
+    test_morphed();
     test_picture();
     test_caster();
     test_texture();
