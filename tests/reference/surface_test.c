@@ -229,6 +229,40 @@ static void test_scaling(void)
     }
 }
 
+/* Optical depths of 1e-6 and 1e4, lobes of |g| = 0.99, an eye inside a ball and a lamp on the floor, a mirror
+ * and a matt metal, a sun of 1e6: finite and never negative, in every mode of one bounce or less. */
+static void test_extremes(void)
+{
+    enum { SAMPLES = 40 };
+    static const al_mode *const modes[] = {&al_mode_surface_to_volume, &al_mode_indirect,
+                                           &al_mode_single_scatter, &al_mode_ambient_occlusion};
+    static const double sigmas_per_m[] = {1e-6, 1e4}, lobes[] = {0.99, -0.99};
+    const al_ray rays[] = {ray_along(1, 0.5, 1, -1, -0.3, -1), ray_along(0, 0.4, 1e-4, 0.1, -0.2, -1)};
+    for (int i = 0; i < 16; i++) {
+        test_scene scene = open_mode(
+            modes[i / 4], al_mode_defaults,
+            "{'materials':[{'name':'m','base_color':0.7,'roughness':0},{'name':'k','base_color':1,'metallic':"
+            "1}],"
+            "'meshes':[{'name':'f','shape':{'type':'plane','width_m':2,'depth_m':2},'material':'m'},"
+            "{'name':'s','shape':{'type':'sphere','subdivisions':2,'radius_m':0.3},'material':'k',"
+            "'transform':{'translate_m':[0,0.4,0]}}],'media':[{'name':'a','sigma_s_per_m':%g,'g':%g}],"
+            "'fogs':['a'],'lights':[{'type':'point','position_m':[0.2,0,0.3],'intensity_w_sr':2},"
+            "{'type':'directional','direction':[1,-1,0],'irradiance_w_m2':1e6}]}",
+            sigmas_per_m[i % 2], lobes[i / 2 % 2]);
+        al_random random = al_random_for(11, (uint64_t)i);
+        int wrong = 0;
+        for (int n = 0; n < SAMPLES; n++) {
+            double numbers[64], value[3];
+            for (uint32_t d = 0; d < scene.mode->dimensions(scene.state); d++)
+                numbers[d] = al_random_real(&random);
+            CHECK(scene.mode->radiance(scene.state, scene.scratch, &rays[n % 2], numbers, value));
+            for (int c = 0; c < 3; c++) wrong += !(value[c] >= 0) || !isfinite(value[c]);
+        }
+        CHECK(wrong == 0);
+        close_scene(&scene);
+    }
+}
+
 /* --- every kind of lamp and medium --- */
 
 /* Along a ray that meets no surface the first vertex of a path of one event is that event: with at most one
@@ -305,6 +339,7 @@ int main(void)
     test_rectangle();
     test_monotone();
     test_scaling();
+    test_extremes();
     test_paths();
     test_nothing();
     return test_end();
