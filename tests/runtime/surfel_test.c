@@ -747,6 +747,51 @@ static void test_scales(void)
     }
 }
 
+/* 64 lamps in one place are one of 64 times their strength (without shadows: each of 64 maps has fewer
+ * texels); on a surface they are no brighter than from 0.1 mm. */
+static void test_lamps(void)
+{
+    const al_settings settings = {.pass = AL_PASS_SURFELS, .surfel_pixels = 1, .shadows_off = true};
+    lamp lamps[64];
+    triangles t = make_floor();
+    al_view view = front_view();
+    for (int on = 0; on < 2; on++) {
+        for (int i = 0; i < 64; i++) lamps[i] = (lamp){AL_LIGHT_POINT, {-0.5f, on ? 0 : 1, 0}, 1e6f};
+        al_runtime *runtime = open_scene(&t, lamps, 64, 0);
+        cloud many = draw_cloud(runtime, &view, &settings);
+        al_scene *scene = al_runtime_scene(runtime);
+        scene->light_count = 1;
+        for (int k = 0; k < 3; k++) scene->lights[0].intensity[k] = 64e6f;
+        cloud one = draw_cloud(runtime, &view, &settings);
+        CHECK(one.count == many.count && one.count > 100);
+        for (uint32_t i = 0; i < one.count; i++) { /* 64 additions of floats */
+            CHECK_NEAR(many.surfels[i].front[0], one.surfels[i].front[0],
+                       64 * 0x1p-24 * one.surfels[i].front[0]);
+            CHECK(one.surfels[i].front[0] <= 64e6f * 1e8f);
+        }
+        free(many.surfels);
+        free(one.surfels);
+        al_runtime_destroy(runtime);
+    }
+    free(t.corners);
+}
+
+static void test_wrong(void)
+{
+    static const al_settings wrong[] = {{.surfel_pixels = -1},    {.surfel_pixels = NAN},
+                                        {.surfel_pixels = 0.01f}, {.surfel_pixels = 1e4f},
+                                        {.surfel_limit = 63},     {.surfel_limit = (1 << 22) + 1}};
+    triangles none = {0};
+    al_runtime *runtime = open_scene(&none, NULL, 0, 0);
+    al_view view = front_view();
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        al_error error = {0};
+        CHECK(al_runtime_draw(runtime, &view, &wrong[i], 0, 0, &error) == AL_USAGE);
+        CHECK(strstr(error.message, i < 4 ? "use 0.1 to 1000" : "use 64 to 4194304"));
+    }
+    al_runtime_destroy(runtime);
+}
+
 static bool find_row(al_runtime *runtime, al_plan_row *row)
 {
     uint32_t count;
@@ -814,6 +859,8 @@ int main(void)
     test_wall();
     test_flat();
     test_scales();
+    test_lamps();
+    test_wrong();
     test_plan();
     test_shapes();
     return test_end();
