@@ -129,6 +129,7 @@ static al_status start(al_draw *draw)
 {
     al_surfels *s = &draw->runtime->surfels;
     double expected = al_surfels_expected(&draw->runtime->scene, &s->rule), before = s->coarseness;
+    for (int i = 0; i < AL_SURFEL_RING; i++) s->ring[i].pending = false; /* of another cloud */
     coarsen(draw, expected);
     expected *= before / s->coarseness;
     if (!s->count.id) {
