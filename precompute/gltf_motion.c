@@ -573,11 +573,14 @@ static al_status fill_deform(al_gltf_motion *m, const uint32_t *from, const al_m
     size_t count = mesh->vertex_count, deltas = 3 * count * d->target_count;
     d->bind_positions = al_scene_array(scene, 3 * count, sizeof(float));
     d->bind_normals = al_scene_array(scene, 3 * count, sizeof(float));
-    d->joints = al_scene_array(scene, d->joint_count ? INFLUENCES * count : 0, sizeof *d->joints);
-    d->weights = al_scene_array(scene, d->joint_count ? INFLUENCES * count : 0, sizeof(float));
-    d->position_deltas = al_scene_array(scene, deltas, sizeof(float));
-    d->normal_deltas = al_scene_array(scene, d->has_normals ? deltas : 0, sizeof(float));
-    if (!d->bind_positions || !d->bind_normals || !d->joints || !d->weights || !d->position_deltas || !d->normal_deltas)
+    if (d->joint_count) {
+        d->joints = al_scene_array(scene, INFLUENCES * count, sizeof *d->joints);
+        d->weights = al_scene_array(scene, INFLUENCES * count, sizeof(float));
+    }
+    if (d->target_count) d->position_deltas = al_scene_array(scene, deltas, sizeof(float));
+    if (d->has_normals) d->normal_deltas = al_scene_array(scene, deltas, sizeof(float));
+    if (!d->bind_positions || !d->bind_normals || (d->joint_count && !(d->joints && d->weights)) ||
+        (d->target_count && !d->position_deltas) || (d->has_normals && !d->normal_deltas))
         return out_of_memory(m, error);
     memcpy(d->bind_positions, mesh->positions, 3 * count * sizeof(float));
     memcpy(d->bind_normals, mesh->normals, 3 * count * sizeof(float));

@@ -358,6 +358,7 @@ static void test_morph(void)
     CHECK(m->deform_count == 1 && m->deforms[0].target_count == 2 && !m->deforms[0].has_normals && !m->joint_count);
     const al_mesh *mesh = &import->scene.meshes[0];
     CHECK(mesh->positions[1] == 1 && m->deforms[0].bind_positions[1] == 0); /* as at time 0 */
+    CHECK(!m->deforms[0].normal_deltas && !m->deforms[0].joints && !m->deforms[0].weights);
     for (int i = 0; i <= 2; i++) {
         float positions[9], normals[9];
         al_motion_weights_at(m, &m->deforms[0], 0.5 * i, at);
