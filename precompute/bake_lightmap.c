@@ -17,7 +17,7 @@
 #include "texels.h"
 
 /* Part of every key: raise it when a step's result changes for the same input. */
-static const uint32_t bake_version = 4;
+static const uint32_t bake_version = 5;
 
 enum {
     TILE_TEXELS = 64,

@@ -48,6 +48,8 @@ struct al_fog_points {
     const al_gather *gather;
     uint32_t size[3], count;
     double low[3], spacing_m[3]; /* of the lattice's cells; points are in their middles */
+    double per_m[3];             /* 1 / spacing_m */
+    uint32_t stride[3];          /* of a point's index */
     uint32_t order, terms;       /* SH bands, numbers a channel */
     uint32_t lamps;
     bool *is_inside;      /* something solid: left out */
@@ -118,6 +120,8 @@ static void place_lattice(al_fog_points *points)
         if (!(size[k] > 0)) size[k] = longest > 0 ? 1e-3 * longest : 1; /* fog and scene apart, or flat */
         points->size[k] = (uint32_t)fmax(1, ceil(wanted * fmin(1, size[k] / longest) - 1e-9));
         points->spacing_m[k] = size[k] / points->size[k];
+        points->per_m[k] = 1 / points->spacing_m[k];
+        points->stride[k] = points->count;
         points->count *= points->size[k];
     }
 }
@@ -154,18 +158,13 @@ static uint32_t corner_of(const al_fog_points *points, const int32_t cell[3], in
     return index;
 }
 
-/* What a place takes from the points around it. */
+/* What a place takes from the points around it: the corners of its cell first, then what some continue to. */
 typedef struct corners {
     uint32_t index[2 * CORNERS];
     double weight[2 * CORNERS];
     int count;
+    bool outside; /* of the lattice's box, whose nearest place stands in */
 } corners;
-
-static void take(corners *c, uint32_t index, double weight)
-{
-    c->index[c->count] = index;
-    c->weight[c->count++] = weight;
-}
 
 /* The axis along which a hidden corner is continued from the two points before it, 0 to 2; -1: none. */
 static int axis_beyond(uint16_t beyond, int corner)
@@ -181,42 +180,81 @@ static uint8_t corners_in_air(const al_fog_points *points, const int32_t cell[3]
     return air ? air : 0xff;
 }
 
+/* Where a place lies among the points. */
+typedef struct spot {
+    int32_t cell[3];
+    uint32_t eighth; /* [cell][eighth] as in `seen` */
+} spot;
+
+/* All corners with their trilinear weights. */
+static void take_all(const al_fog_points *points, const double position[3], spot *s, corners *c)
+{
+    uint32_t eighth = 0, number = 0, first = 0, up[3];
+    double share[3];
+    c->outside = false;
+    for (int k = 2; k >= 0; k--) {
+        double at = (position[k] - points->low[k]) * points->per_m[k] + 0.5, end = points->size[k] + 0.5;
+        double inside = !(at > 0.5) ? 0.5 : at > end ? end : at;
+        int32_t cell = (int32_t)inside - 1, last = (int32_t)points->size[k] - 1;
+        c->outside |= inside != at;
+        share[k] = inside - (cell + 1);
+        first += cell > 0 ? points->stride[k] * (uint32_t)cell : 0;
+        up[k] = cell >= 0 && cell < last ? points->stride[k] : 0;
+        eighth = eighth << 1 | (share[k] >= 0.5);
+        number = number * (points->size[k] + 1) + (uint32_t)(cell + 1);
+        s->cell[k] = cell;
+    }
+    s->eighth = number * CORNERS + eighth;
+    for (int i = 0; i < 4; i++) {
+        uint32_t index = first + (i & 1 ? up[1] : 0) + (i & 2 ? up[2] : 0);
+        double weight = (i & 1 ? share[1] : 1 - share[1]) * (i & 2 ? share[2] : 1 - share[2]);
+        c->index[2 * i] = index;
+        c->index[2 * i + 1] = index + up[0];
+        c->weight[2 * i] = weight * (1 - share[0]);
+        c->weight[2 * i + 1] = weight * share[0];
+    }
+    c->count = CORNERS;
+}
+
+/* Leaves those that are taken and puts what others continue to, 2 before - next, in their places. The share
+ * of all that is left. */
+static double take_some(const al_fog_points *points, const spot *s, uint8_t taken, corners *c)
+{
+    uint16_t beyond = points->beyond[s->eighth];
+    double left = 1;
+    for (int i = 0; i < CORNERS; i++) {
+        double weight = c->weight[i];
+        if (taken >> i & 1) continue;
+        c->weight[i] = 0;
+        int k = axis_beyond(beyond, i);
+        if (k < 0) {
+            left -= weight;
+            continue;
+        }
+        int before = i ^ 1 << k;
+        uint32_t next = c->index[before];
+        if (i >> k & 1)
+            next -= s->cell[k] > 0 ? points->stride[k] : 0;
+        else
+            next += s->cell[k] + 2 < (int32_t)points->size[k] ? points->stride[k] : 0;
+        c->weight[before] += 2 * weight;
+        c->index[c->count] = next;
+        c->weight[c->count++] = -weight;
+    }
+    double scale = left > 1e-6 ? 1 / left : 0;
+    for (int i = 0; i < c->count && left < 1; i++) c->weight[i] *= scale;
+    return left;
+}
+
 /* False where no corner is seen; then all that are in air count, or all where none is. */
 static bool find_corners(const al_fog_points *points, const double position[3], corners *c)
 {
-    double share[3], sum = 0;
-    int32_t cell[3];
-    uint32_t eighth = 0, number = 0;
-    for (int k = 2; k >= 0; k--) {
-        double at = (position[k] - points->low[k]) / points->spacing_m[k] - 0.5;
-        at = fmin(fmax(at, -0.5), points->size[k] - 0.5);
-        cell[k] = (int32_t)floor(at);
-        share[k] = at - cell[k];
-        eighth = eighth << 1 | (share[k] >= 0.5);
-        number = number * (points->size[k] + 1) + (uint32_t)(cell[k] + 1);
-    }
-    uint8_t seen = points->seen[number * CORNERS + eighth];
-    uint16_t beyond = points->beyond[number * CORNERS + eighth];
-    uint8_t taken = seen ? seen : corners_in_air(points, cell);
-    c->count = 0;
-    for (int i = 0; i < CORNERS; i++) {
-        double weight = 1;
-        uint32_t index = corner_of(points, cell, i);
-        for (int k = 0; k < 3; k++) weight *= i >> k & 1 ? share[k] : 1 - share[k];
-        if (taken >> i & 1) {
-            take(c, index, weight);
-            sum += weight;
-        } else if (axis_beyond(beyond, i) >= 0) {
-            int k = axis_beyond(beyond, i), before = i ^ 1 << k;
-            int32_t next[3] = {cell[0], cell[1], cell[2]};
-            next[k] += i >> k & 1 ? -1 : 1;
-            take(c, corner_of(points, cell, before), 2 * weight);
-            take(c, corner_of(points, next, before), -weight);
-            sum += weight;
-        }
-    }
-    for (int i = 0; i < c->count; i++) c->weight[i] = sum > 1e-6 ? c->weight[i] / sum : 0;
-    return seen && sum > 1e-6;
+    spot s;
+    take_all(points, position, &s, c);
+    uint8_t seen = points->seen[s.eighth];
+    if (seen == 0xff) return true;
+    double left = take_some(points, &s, seen ? seen : corners_in_air(points, s.cell), c);
+    return seen && left > 1e-6;
 }
 
 /* Beyond the lattice light thins out as it does around a body of its size. */
@@ -229,35 +267,54 @@ static double thinning(const al_fog_points *points, const double position[3])
         away += off * off;
         size += 0.25 * edge * edge;
     }
-    double factor = away > 0 ? 1 / (1 + sqrt(away / size)) : 1;
+    double factor = 1 / (1 + sqrt(away / size));
     return factor * factor;
+}
+
+/* One number a channel, as isotropic fog keeps. A fourth is read and dropped, so that one instruction serves
+ * all channels: the list is one longer than its numbers. */
+static void add_means(const float *sh, const corners *c, double sums[3])
+{
+    float lanes[4] = {0};
+    for (int i = 0; i < c->count; i++) {
+        float from[4], weight = (float)c->weight[i];
+        memcpy(from, sh + (size_t)c->index[i] * 3, sizeof from);
+        for (int k = 0; k < 4; k++) lanes[k] += weight * from[k];
+    }
+    for (int k = 0; k < 3; k++) sums[k] = 0.28209479177387814 * lanes[k];
+}
+
+static void add_bands(const al_fog_points *points, const float *sh, const corners *c,
+                      const double direction[3], double g, double sums[3])
+{
+    double basis[AL_SH_MAX_COUNT], band = 1;
+    al_sh_basis((int)points->order, direction[0], direction[1], direction[2], basis);
+    for (uint32_t l = 0; l < points->order; l++, band *= g)
+        for (uint32_t k = l * l; k < (l + 1) * (l + 1); k++) basis[k] *= band;
+    for (int i = 0; i < c->count; i++) {
+        const float *from = sh + (size_t)c->index[i] * 3 * points->terms;
+        for (int channel = 0; channel < 3; channel++, from += points->terms) {
+            double sum = 0;
+            for (uint32_t k = 0; k < points->terms; k++) sum += basis[k] * from[k];
+            sums[channel] += c->weight[i] * sum;
+        }
+    }
 }
 
 /* The same as al_fog_points_scatter, from any set of coefficients. */
 static void scatter(const al_fog_points *points, const float *sh, const double position[3],
                     const double direction[3], double g, double radiance[3])
 {
-    double basis[AL_SH_MAX_COUNT] = {0.28209479177387814};
+    double sums[3] = {0};
     corners c;
     find_corners(points, position, &c);
-    if (points->order > 1) {
-        double band = 1;
-        al_sh_basis((int)points->order, direction[0], direction[1], direction[2], basis);
-        for (uint32_t l = 0; l < points->order; l++, band *= g)
-            for (uint32_t k = l * l; k < (l + 1) * (l + 1); k++) basis[k] *= band;
-    }
-    radiance[0] = radiance[1] = radiance[2] = 0;
-    for (int i = 0; i < c.count; i++) {
-        const float *from = sh + (size_t)c.index[i] * 3 * points->terms;
-        for (int channel = 0; channel < 3; channel++, from += points->terms) {
-            double sum = 0;
-            for (uint32_t k = 0; k < points->terms; k++) sum += basis[k] * from[k];
-            radiance[channel] += c.weight[i] * sum;
-        }
-    }
+    if (points->order == 1)
+        add_means(sh, &c, sums);
+    else
+        add_bands(points, sh, &c, direction, g, sums);
+    double factor = c.outside ? thinning(points, position) : 1;
     /* Few bands of a narrow lobe may swing below 0. */
-    double factor = thinning(points, position);
-    for (int k = 0; k < 3; k++) radiance[k] = factor * fmax(0, radiance[k]);
+    for (int k = 0; k < 3; k++) radiance[k] = sums[k] > 0 ? factor * sums[k] : 0;
 }
 
 void al_fog_points_scatter(const al_fog_points *points, const double position[3], const double direction[3],
@@ -331,16 +388,17 @@ bool al_fog_points_irradiance(const al_fog_points *points, const double position
     if (!is_seen(points->gather, off, middle)) return false;
     al_sh_basis(ARRIVING_ORDER, normal[0], normal[1], normal[2], basis);
     for (int k = 0; k < ARRIVING_TERMS; k++) basis[k] *= k < 1 ? AL_PI : k < 4 ? 2 * AL_PI / 3 : AL_PI / 4;
-    irradiance[0] = irradiance[1] = irradiance[2] = 0;
-    for (int i = 0; i < c.count; i++) {
-        const float *from = points->arriving + (size_t)c.index[i] * 3 * ARRIVING_TERMS;
-        for (int channel = 0; channel < 3; channel++, from += ARRIVING_TERMS) {
-            double sum = 0;
-            for (int k = 0; k < ARRIVING_TERMS; k++) sum += basis[k] * from[k];
-            irradiance[channel] += c.weight[i] * sum;
+    for (int channel = 0; channel < 3; channel++) {
+        double sum = 0;
+        for (int i = 0; i < c.count; i++) {
+            const float *from =
+                points->arriving + ((size_t)c.index[i] * 3 + (size_t)channel) * ARRIVING_TERMS;
+            double part = 0;
+            for (int k = 0; k < ARRIVING_TERMS; k++) part += basis[k] * from[k];
+            sum += c.weight[i] * part;
         }
+        irradiance[channel] = sum > 0 ? sum : 0;
     }
-    for (int k = 0; k < 3; k++) irradiance[k] = fmax(0, irradiance[k]);
     return true;
 }
 
@@ -486,6 +544,7 @@ static bool trace_path(building *b, al_gather_scratch *scratch, const al_gather_
     way.asks = false;
     way.scatters = true;
     way.places = 0; /* recorded instead */
+    way.surfaces = true;
     al_sequence_pair(sequence, u);
     al_gather_draw(vertex, u, way.ray.direction, &way.density_per_sr);
     al_gather_origin(vertex, way.ray.direction, way.ray.origin);
@@ -669,7 +728,7 @@ static bool allocate(building *b, unsigned threads)
     al_fog_points *points = b->points;
     size_t numbers = 3 * (size_t)points->terms * points->count;
     points->is_inside = calloc(points->count, sizeof *points->is_inside);
-    points->sh = calloc(numbers, sizeof *points->sh);
+    points->sh = calloc(numbers + 1, sizeof *points->sh);
     points->arriving = calloc((size_t)points->count * 3 * ARRIVING_TERMS, sizeof *points->arriving);
     points->transmittance = calloc((size_t)points->count * points->lamps * 3 + 1, sizeof(float));
     points->seen = calloc((size_t)cell_count(points) * CORNERS, sizeof *points->seen);

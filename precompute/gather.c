@@ -86,8 +86,7 @@ void al_gather_scratch_free(al_gather_scratch *scratch)
 /* --- a point --- */
 
 static const double back_shift_texels = 0.125;
-enum { PATHS_PER_WAY = 4, WAYS_LEAST = 16 };
-
+enum { WAYS_LEAST = 64, WAYS_ENOUGH = 128, PATHS_PER_WAY = 4 };
 typedef struct summing {
     const al_gather *gather;
     al_gather_scratch *scratch;
@@ -166,13 +165,15 @@ static void add_response_of_way(summing *s, const al_gather_way *way, double sha
     add_response(s, &source, power);
 }
 
-/* A way that light arrives along, its power per radiance in `share`. False without memory. */
-static bool follow(summing *s, al_sequence *sequence, double weight, al_gather_way *way, double *share)
+/* A way that light arrives along. The power per radiance over all directions, 0 where nothing is drawn, in
+ * `share`. False without memory. */
+static bool follow(summing *s, al_sequence *sequence, bool surfaces, al_gather_way *way, double *share)
 {
     double u[2];
     *share = 0;
     way->asks = s->vertex.asks;
     way->scatters = s->vertex.scatters;
+    way->surfaces = surfaces;
     way->places = AL_GATHER_FIRST_PLACES;
     al_sequence_pair(sequence, u);
     al_gather_draw(&s->vertex, u, way->ray.direction, &way->density_per_sr);
@@ -180,62 +181,44 @@ static bool follow(summing *s, al_sequence *sequence, double weight, al_gather_w
     al_gather_origin(&s->vertex, way->ray.direction, way->ray.origin);
     bool behind = !s->vertex.in_air && cosine_of(s, way->ray.direction) <= 0;
     if (behind && !s->vertex.looks_back) return true;
-    *share = weight / way->density_per_sr;
+    *share = 1 / way->density_per_sr;
     double carried[3] = {*share, *share, *share};
     return al_gather_follow(s->gather, s->scratch, s->gather->options.bounces, carried, 1, sequence, way);
 }
 
-/* From here on ways carry what fog points know, and some are drawn about the lamp that glows brightest. */
-static void look_for_scattered(summing *s)
-{
-    s->vertex.scatters = true;
-    al_gather_find_glow(s->gather, &s->vertex);
-}
-
-static void fill_scattered(const al_gather_way *way, double share, double scattered[3])
-{
-    for (int c = 0; c < 3; c++)
-        scattered[c] = share * (way->transmittance[c] *
-                                    (way->sent[AL_GATHER_TOTAL][c] - way->sent[AL_GATHER_ATTENUATED][c]) +
-                                way->scattered[c]);
-}
-
-static bool add_path(summing *s, al_sequence *sequence, double weight)
+/* One of the ways: its shares of paths over surfaces and of scattered light, 0 where it is none of them. */
+static bool add_way(summing *s, al_sequence *sequence, double weight, double scattered_weight)
 {
     double basis[AL_SH_MAX_COUNT], plain[3], through[3], scattered[3], share;
     al_gather_way way;
-    if (!follow(s, sequence, weight, &way, &share)) return false;
+    if (!follow(s, sequence, weight > 0, &way, &share)) return false;
     if (!(share > 0)) return true;
-    if (s->gather->responds) add_response_of_way(s, &way, share);
+    if (s->gather->responds) add_response_of_way(s, &way, weight * share);
     if (!s->vertex.in_air && cosine_of(s, way.ray.direction) <= 0) return true;
-    for (int c = 0; c < 3; c++) {
-        plain[c] = share * way.sent[AL_GATHER_SURFACE][c];
-        through[c] = share * way.transmittance[c] * way.sent[AL_GATHER_ATTENUATED][c];
-    }
-    fill_scattered(&way, share, scattered);
     fill_basis(s, way.ray.direction, basis);
+    for (int c = 0; c < 3; c++) {
+        double sent = way.sent[AL_GATHER_TOTAL][c] - way.sent[AL_GATHER_ATTENUATED][c];
+        scattered[c] = scattered_weight * share * (way.transmittance[c] * sent + way.scattered[c]);
+        plain[c] = weight * share * way.sent[AL_GATHER_SURFACE][c];
+        through[c] = weight * share * way.transmittance[c] * way.sent[AL_GATHER_ATTENUATED][c];
+    }
+    add(s, AL_GATHER_SCATTERED, way.ray.direction, basis, scattered);
+    if (!(weight > 0)) return true;
     add(s, AL_GATHER_SURFACE, way.ray.direction, basis, plain);
     add(s, AL_GATHER_ATTENUATED, way.ray.direction, basis, through);
-    add(s, AL_GATHER_SCATTERED, way.ray.direction, basis, scattered);
     if (way.met && !way.hit.front && !way.hit.material->double_sided) s->out->back_share += weight;
     return true;
 }
 
-/* Bounded walls: scattered light is smooth. It needs fewer ways, and most end at the first surface. */
-static bool add_scattered(summing *s, uint32_t ways, uint64_t seed)
+/* On how many of the ways scattered light counts. Of bounded walls it is smooth, and the light of the fog's
+ * points is not known better than within a percent, so that it takes fewer than surfaces do. Its noise falls
+ * faster than their number grows, while the points cost the same for any: where paths are few there are ways
+ * beyond them, which end where the points know. */
+static uint32_t ways_of(const al_gather *gather, uint32_t samples)
 {
-    look_for_scattered(s);
-    for (uint32_t i = 0; i < ways; i++) {
-        al_sequence sequence = {.index = i, .seed = al_mix_bits(seed)};
-        double basis[AL_SH_MAX_COUNT], scattered[3], share;
-        al_gather_way way;
-        if (!follow(s, &sequence, 1.0 / ways, &way, &share)) return false;
-        if (!(share > 0)) continue;
-        fill_scattered(&way, share, scattered);
-        fill_basis(s, way.ray.direction, basis);
-        add(s, AL_GATHER_SCATTERED, way.ray.direction, basis, scattered);
-    }
-    return true;
+    if (!gather->points || gather->options.walls != AL_WALLS_BOUNDED) return samples;
+    if (samples < WAYS_ENOUGH) return samples > WAYS_LEAST ? samples : WAYS_LEAST;
+    return samples / PATHS_PER_WAY > WAYS_ENOUGH ? samples / PATHS_PER_WAY : WAYS_ENOUGH;
 }
 
 bool al_gather_point(const al_gather *gather, al_gather_scratch *scratch, const double position[3],
@@ -253,15 +236,16 @@ bool al_gather_point(const al_gather *gather, al_gather_scratch *scratch, const 
         s.vertex.normal[k] = normal ? normal[k] : 0;
         s.vertex.position[k] = position[k] + (s.vertex.looks_back ? shift_m * normal[k] : 0);
     }
-    bool smooth = gather->points && gather->options.walls == AL_WALLS_BOUNDED;
-    if (gather->points && !smooth) look_for_scattered(&s);
-    uint32_t samples = gather->options.samples ? gather->options.samples : 1;
-    for (uint32_t i = 0; i < samples; i++) {
+    al_gather_vertex plain = s.vertex, foggy = s.vertex;
+    foggy.scatters = gather->points;
+    al_gather_find_glow(gather, &foggy);
+    uint32_t samples = gather->options.samples ? gather->options.samples : 1, ways = ways_of(gather, samples);
+    for (uint32_t i = 0; i < samples || i < ways; i++) {
         al_sequence sequence = {.index = i, .seed = al_mix_bits(seed + 1)};
-        add_lights(&s, &sequence, 1.0 / samples);
-        if (!add_path(&s, &sequence, 1.0 / samples)) return false;
+        double weight = i < samples ? 1.0 / samples : 0;
+        s.vertex = i < ways ? foggy : plain;
+        if (!add_way(&s, &sequence, weight, i < ways ? 1.0 / ways : 0)) return false;
+        if (weight > 0) add_lights(&s, &sequence, weight);
     }
-    if (!smooth) return true;
-    uint32_t ways = samples / PATHS_PER_WAY;
-    return add_scattered(&s, ways > WAYS_LEAST ? ways : WAYS_LEAST, ~seed);
+    return true;
 }

@@ -17,7 +17,7 @@ enum { AL_GATHER_SH_COUNT = 64 }; /* of order 8 */
 
 typedef struct al_gather_options {
     /* Paths a point, 1 or more; powers of two are spread best. Of bounded walls scattered light is gathered
-     * by a quarter as many ways, at least 16; of traced walls by as many. */
+     * along the first ways of 128 of them, of a quarter if that is more, and along 64 if there are fewer. */
     uint32_t samples;
     uint32_t bounces;  /* diffuse reflections on a path; 0: light that comes straight from lights and fog */
     bool fog;          /* false: `scattered` is 0 and `attenuated` equals `surface` */

@@ -215,6 +215,7 @@ static bool estimate(const al_gather *gather, al_gather_scratch *scratch, const 
     way.asks = vertex->asks;
     way.scatters = vertex->scatters;
     way.places = AL_GATHER_LATER_PLACES;
+    way.surfaces = true;
     if (!al_gather_follow(gather, scratch, bounces, ahead, importance, sequence, &way)) return false;
     if (way.asks && al_gather_source_of_way(&way, &source, &scale)) {
         al_gather_response(gather, &source, vertex->normal, response);
@@ -254,7 +255,7 @@ static bool add_known_reflection(const al_gather *gather, const al_gather_scratc
                                  al_gather_way *way)
 {
     double irradiance[3];
-    if (!way->scatters || gather->options.walls == AL_WALLS_TRACED || scratch->record) return false;
+    if (gather->options.walls == AL_WALLS_TRACED || scratch->record) return false;
     if (way->hit.distance_m < al_fog_points_cell_m(gather->points)) return false;
     al_gather_vertex vertex = al_gather_vertex_of(&way->hit);
     if (!al_fog_points_irradiance(gather->points, vertex.position, vertex.normal, irradiance)) return false;
@@ -262,9 +263,9 @@ static bool add_known_reflection(const al_gather *gather, const al_gather_scratc
     return true;
 }
 
-/* What the far end reflects. `carried` is of the radiance it sends. */
+/* What the far end reflects; `scatters`: fog's light too. `carried` is of the radiance it sends. */
 static bool add_reflection(const al_gather *gather, al_gather_scratch *scratch, uint32_t bounces,
-                           const double carried[3], double importance, al_sequence *sequence,
+                           const double carried[3], double importance, bool scatters, al_sequence *sequence,
                            al_gather_way *way)
 {
     const al_surface_hit *hit = &way->hit;
@@ -283,7 +284,7 @@ static bool add_reflection(const al_gather *gather, al_gather_scratch *scratch, 
         ahead[k] = carried[k] * reflected[k];
     }
     vertex.asks = way->asks;
-    vertex.scatters = way->scatters;
+    vertex.scatters = scatters;
     al_gather_find_glow(gather, &vertex);
     if (!estimate(gather, scratch, &vertex, bounces - 1, ahead, importance / survival, sequence, irradiance))
         return false;
@@ -323,9 +324,12 @@ bool al_gather_follow(const al_gather *gather, al_gather_scratch *scratch, uint3
     if (way->scatters && !pass_points(gather, scratch, carried, sequence, way)) return false;
     add_emission(gather, way);
     for (int c = 0; c < 3; c++) ahead[c] = carried[c] * way->transmittance[c];
-    if (way->met && bounces && !add_known_reflection(gather, scratch, way) &&
-        !add_reflection(gather, scratch, bounces, ahead, importance, sequence, way))
-        return false;
+    if (way->met && bounces) {
+        bool scatters = way->scatters && !add_known_reflection(gather, scratch, way);
+        if ((scatters || way->surfaces) &&
+            !add_reflection(gather, scratch, bounces, ahead, importance, scatters, sequence, way))
+            return false;
+    }
     if (way->scatters || al_gather_is_dark(way)) return true;
     return pass_evenly(gather, scratch, &way->ray, way->met ? way->hit.distance_m : INFINITY, way->asks,
                        way->transmittance, &way->fog);

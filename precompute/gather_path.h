@@ -14,6 +14,7 @@ typedef struct al_gather_way {
     double density_per_sr; /* of drawing the direction */
     bool asks;             /* whether `fog` is wanted */
     bool scatters;         /* whether `scattered` is wanted of the fog points */
+    bool surfaces;         /* whether `surface` and `attenuated` are wanted too */
     uint32_t places;       /* distances drawn for the fog points' light: AL_GATHER_FIRST_PLACES or _LATER_ */
     bool met;              /* a surface ends it */
     al_surface_hit hit;
@@ -24,7 +25,7 @@ typedef struct al_gather_way {
     al_gather_layers sent; /* radiance that leaves the far end along the ray: of surface or sky */
 } al_gather_way;
 
-/* Fills the way from its ray, density, `asks`, `scatters` and `places`. `bounces`: diffuse reflections that
+/* Fills the way from its ray, density, `asks`, `scatters`, `surfaces` and `places`. `bounces`: diffuse reflections that
  * may follow, the one at its end included. `carried`: what arriving radiance is multiplied with on its way to
  * the path's first point; `importance`: the share that surfaces leave of it, for Russian roulette. */
 bool al_gather_follow(const al_gather *gather, al_gather_scratch *scratch, uint32_t bounces,

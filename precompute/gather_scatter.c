@@ -87,11 +87,17 @@ static double flight_density(const flight *f, const al_fog_cell *cell, double di
     return density / f->count;
 }
 
+static void find_position(const flight *f, place *out)
+{
+    for (int k = 0; k < 3; k++) out->position[k] = f->ray->origin[k] + out->distance_m * f->ray->direction[k];
+}
+
 /* A distance with that density: the channel by the first digits of u, then the depth's inverse. */
-static double draw_flight(const flight *f, double u)
+static void draw_flight(const flight *f, double u, place *out)
 {
     const al_fog_path *fog = f->fog;
-    int picked = (int)fmin(u * f->count, f->count - 1), c = f->channels[picked];
+    int drawn = (int)(u * f->count), picked = drawn < f->count ? drawn : f->count - 1,
+        c = f->channels[picked];
     double depth = -log1p(-(u * f->count - picked) * f->lost[c]);
     uint32_t low = 0, high = fog->count;
     while (high - low > 1) {
@@ -101,18 +107,11 @@ static double draw_flight(const flight *f, double u)
         else
             high = middle;
     }
-    const al_fog_cell *cell = &fog->cells[low];
-    double into = (depth - cell->depth[c]) / cell->sigma_t_per_m[c];
-    return fmin(cell->begin_m + fmax(0, into), cell->end_m); /* a NaN of 0/0 is 0 */
-}
-
-/* False in vacuum. */
-static bool find_place(const flight *f, double distance_m, place *out)
-{
-    out->distance_m = distance_m;
-    out->cell = cell_at(f->fog, distance_m);
-    for (int k = 0; k < 3; k++) out->position[k] = f->ray->origin[k] + distance_m * f->ray->direction[k];
-    return out->cell != NULL;
+    out->cell = &fog->cells[low];
+    double into = (depth - out->cell->depth[c]) / out->cell->sigma_t_per_m[c];
+    out->distance_m = out->cell->begin_m + (into > 0 ? into : 0); /* a NaN of 0/0 is 0 */
+    if (out->distance_m > out->cell->end_m) out->distance_m = out->cell->end_m;
+    find_position(f, out);
 }
 
 static void fill_power(place *out, double density_per_m)
@@ -126,7 +125,7 @@ static void fill_power(place *out, double density_per_m)
  * False in vacuum. */
 static bool fly(const flight *f, double u, place *out)
 {
-    if (!find_place(f, draw_flight(f, u), out)) return false;
+    draw_flight(f, u, out);
     if (f->count > 1) {
         double density_per_m = flight_density(f, out->cell, out->distance_m);
         if (density_per_m > 0) fill_power(out, density_per_m);
@@ -134,8 +133,8 @@ static bool fly(const flight *f, double u, place *out)
     }
     int c = f->channels[0];
     double sigma_t = out->cell->sigma_t_per_m[c];
-    for (int k = 0; k < 3 && sigma_t > 0; k++)
-        out->power[k] = out->cell->sigma_s_per_m[k] / sigma_t * f->lost[c];
+    double scale = sigma_t > 0 ? f->lost[c] / sigma_t : 0;
+    for (int k = 0; k < 3; k++) out->power[k] = out->cell->sigma_s_per_m[k] * scale;
     return sigma_t > 0;
 }
 
@@ -166,12 +165,17 @@ static bool redraw(const flight *f, const double target[3], const double u[2], p
     angles a = angles_about(f->fog, f->ray, target);
     double width = a.last - a.first;
     if (!(width > 0)) return true; /* from very far: the place stands */
-    double distance_m =
-        u[1] < 0.5 ? draw_flight(f, u[0]) : a.foot_m + a.height_m * tan(a.first + u[0] * width);
-    if (!find_place(f, distance_m, out)) return false;
-    double off = distance_m - a.foot_m,
+    if (u[1] < 0.5) {
+        draw_flight(f, u[0], out);
+    } else {
+        out->distance_m = a.foot_m + a.height_m * tan(a.first + u[0] * width);
+        out->cell = cell_at(f->fog, out->distance_m);
+        if (!out->cell) return false;
+        find_position(f, out);
+    }
+    double off = out->distance_m - a.foot_m,
            by_angle = a.height_m / (width * (a.height_m * a.height_m + off * off));
-    double density_per_m = 0.5 * (flight_density(f, out->cell, distance_m) + by_angle);
+    double density_per_m = 0.5 * (flight_density(f, out->cell, out->distance_m) + by_angle);
     fill_power(out, density_per_m);
     return density_per_m > 0;
 }
@@ -192,12 +196,14 @@ static void trace_transmittance(const al_gather *gather, const double position[3
         al_fog_transmittance(&gather->fog, &ray, light->distance_m, transmittance);
 }
 
-/* Light of one kind, scattered once, at or near the place. */
-static void add_once(const al_gather *gather, const flight *f, al_light_kind kind, place at,
+/* Light of one kind, scattered once, at or near the place that `along` draws. */
+static void add_once(const al_gather *gather, const flight *f, al_light_kind kind, double along,
                      al_sequence *sequence, al_gather_way *way)
 {
+    place at;
     al_light_sample light;
     double transmittance[3], u[2];
+    if (!fly(f, along, &at)) return;
     if (!al_gather_light_sample(&gather->lights, kind, at.position, NULL, sequence, &light)) return;
     if (isfinite(light.distance_m)) {
         al_sequence_pair(sequence, u);
@@ -248,16 +254,14 @@ bool al_gather_scatter(const al_gather *gather, al_gather_scratch *scratch, cons
                        al_sequence *sequence, al_gather_way *way)
 {
     double u[2];
-    place at;
     flight f = flight_along(&scratch->fog, &way->ray, 0, gather->fog.grey ? 1 : 3);
     if (!f.count) return true;
     al_sequence_pair(sequence, u);
-    if (!fly(&f, u[0], &at)) return true;
-    if (gather->lights.scene->light_count) add_once(gather, &f, AL_LIGHT_KIND_LAMP, at, sequence, way);
+    if (gather->lights.scene->light_count) add_once(gather, &f, AL_LIGHT_KIND_LAMP, u[0], sequence, way);
     if (scratch->record) return record(gather, scratch, carried, u[1], way);
     if (gather->options.walls == AL_WALLS_TRACED) {
-        add_once(gather, &f, AL_LIGHT_KIND_EMITTER, at, sequence, way);
-        add_once(gather, &f, AL_LIGHT_KIND_SKY, at, sequence, way);
+        add_once(gather, &f, AL_LIGHT_KIND_EMITTER, u[0], sequence, way);
+        add_once(gather, &f, AL_LIGHT_KIND_SKY, u[0], sequence, way);
     }
     add_others(gather, &f, u[0], way);
     return true;

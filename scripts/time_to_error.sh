@@ -26,34 +26,44 @@ scattered() {
         print "" }'
 }
 
-# traced SCENE CSV PATHS OUT.csv OPTIONS...: the path tracer's seconds on one thread, at all points, and its standard error.
+# traced SCENE CSV PATHS OUT.csv OPTIONS...: the path tracer's seconds on one thread, at all points, the least of three runs,
+# and its standard error.
 traced() {
     scene=$scenes/room_$1.json points=$2 paths=$3 to=$4
     shift 4
-    "$bin/airlight-reference" "$scene" --mode volume-path --spp "$paths" --threads 1 --quiet --points "$points" "$@" \
-        -o "$to" --stats "$folder/stats.json"
-    awk -F'[:,]' '/"cpu_seconds"/ { seconds = $2 } /relative_standard_error/ { print seconds, $2 + 0 }' "$folder/stats.json"
+    for run in 1 2 3; do
+        "$bin/airlight-reference" "$scene" --mode volume-path --spp "$paths" --threads 1 --quiet --points "$points" "$@" \
+            -o "$to" --stats "$folder/stats.json"
+        awk -F'[:,]' '/"cpu_seconds"/ { seconds = $2 } /relative_standard_error/ { print seconds, $2 + 0 }' "$folder/stats.json"
+    done | sort -g | head -1
 }
 
 # The light in the fog's points is spread over the texels that the room's lightmap has at preview, medium and final quality.
-# rows SCENE LAYER WALLS CSV "SECONDS ERROR" OPTIONS...: errors and times of gathering; the path tracer's time falls with
-# the square of its error.
+# rows SCENE LAYER WALLS CSV "SECONDS ERROR" OPTIONS...: the error of one gathering and its time, each the mean of five seeds,
+# which all paths follow from, those of the fog's points too; the path tracer's time falls with the square of its error.
 rows() {
-    scene=$scenes/room_$1.json name="| $1, $2 | $3" layer=$2 walls=$3 truth=$4 tracer=$5
+    scene=$scenes/room_$1.json name="| $1, $2 | $3" layer=$2 walls=$3 truth=$4 tracer=$5 repeats=4
     shift 5
-    surfaces=$("$bin/gather_points" "$scene" "$truth" --no-fog --samples 4096 --repeats 1 "$@")
     for samples in 32 128 512 2048; do
-        gathered=$("$bin/gather_points" "$scene" "$truth" --layer "$layer" --walls "$walls" --tables "$tables" \
-            --samples $samples --repeats 1 "$@")
-        echo "$gathered $tracer $surfaces" | awk -v name="$name | $samples" -v samples=$samples '{
-            points = 49; texels = samples < 128 ? 30000 : samples < 512 ? 120000 : 480000; time = $4 / points; tracer = $6 / points * ($7 / $1) ^ 2
-            extra = time - $11 / points * samples / 4096
-            printf "%s | %.1f %% | %.3g | %.3g | %.3g | %.3g | %.3g |\n", name, 100 * $1, 1000 * time, 1000 * tracer,
-                tracer / time, tracer / (time + $5 / texels), (extra > 0 ? tracer / (extra + $5 / texels) : 0) }'
+        for seed in 0 1 2 3 4; do
+            surfaces=$("$bin/gather_points" "$scene" "$truth" --no-fog --samples $samples --repeats $repeats --seed $seed "$@")
+            gathered=$("$bin/gather_points" "$scene" "$truth" --layer "$layer" --walls "$walls" --tables "$tables" \
+                --samples $samples --repeats $repeats --seed $seed "$@")
+            echo "$gathered $tracer $surfaces"
+        done | awk -v name="$name | $samples" -v samples=$samples -v repeats=$repeats '{
+            points = 49; texels = samples < 128 ? 30000 : samples < 512 ? 120000 : 480000
+            square = $1 ^ 2 + (repeats - 1) * $3 ^ 2; time = $4 / points; traced = $6 / points * $7 ^ 2 / square
+            shared = $5 / texels; extra = time - $11 / points + shared; over = extra > 0 ? traced / extra : 0
+            squares += square; times += time; extras += extra; open += shared; one = $6 / points * $7 ^ 2
+            if (NR == 1 || over < least) least = over
+            if (over > most) most = over }
+            END { square = squares / NR; time = times / NR; traced = one / square
+            printf "%s | %.1f %% | %.3g | %.3g | %.3g | %.3g | %.3g (%.2g to %.2g) |\n", name, 100 * sqrt(square), 1000 * time,
+                1000 * traced, traced / time, traced / (time + open / NR), traced / (extras / NR), least, most }'
     done
 }
 
-echo "| light | walls | paths | error | gathering, ms a point | path tracer | ratio | fog points in it | over surfaces alone |"
+echo "| light | walls | paths | error | gathering, ms a point | path tracer | ratio | fog points in it | over surfaces alone (least to most) |"
 echo "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"
 for fog in mid thick; do
     scattered $fog >"$folder/scattered.csv"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Scattered light in the atrium, whose galleries are as wide as a cell of the fog's points, against our own path tracer at
-# the middles of 96 triangles: relative RMSE, the path tracer's noise taken out. The limits are what was measured (11.6 and
-# 7.7 %, docs/accuracy.md) and a quarter: light that leaks through a wall, or is lost in one, shows.
+# the middles of 96 triangles: relative RMSE, the path tracer's noise taken out. The limits are what was first measured
+# (11.6 and 7.7 %) and a quarter: light that leaks through a wall, or is lost in one, shows.
 # Usage: atrium_test.sh PROGRAMS SCENES
 programs=$1 scene=$2/atrium_fog.json
 [ -f "$scene" ] || { echo "SKIP: no atrium in the reference data"; exit 77; }
