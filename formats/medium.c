@@ -10,6 +10,7 @@
 #include "half.h"
 #include "kinds.h"
 #include "layout.h"
+#include "medium_sky.h"
 #include "record.h"
 
 enum { EDGE_LIMIT = 65536, DEFAULT_PAGE_SIZE = 256, UNIT_HALF = 0x7800 /* 32768 */ };
@@ -322,10 +323,12 @@ static void check_medium(const al_file *file, al_report *report)
     if (!read_info(file, &info, &records, report)) return;
     for (uint32_t i = 0; i < info.frame_count; i++) read_frame(file, &info, records, i, &frame, report);
     read_pages(file, &info, records, NULL, NULL, report);
+    al_medium_sky_check(file, report);
 }
 
 static const al_chunk_rules chunks[] = {
-    {"INFO", 1, 1, 1}, {"FRAM", 1, 1, 1}, {"INDX", 1, 1, 0}, {"PAGE", 1, 0, 0}, {"PROV", 1, 0, 1}};
+    {"INFO", 1, 1, 1}, {"FRAM", 1, 1, 1}, {"INDX", 1, 1, 0}, {"PAGE", 1, 0, 0},
+    {"SKYI", 1, 0, 1}, {"SKYL", 1, 0, 1}, {"SKYC", 1, 0, 1}, {"PROV", 1, 0, 1}};
 
 const al_kind_rules al_medium_rules = {AL_KIND_MEDIUM, "medium", chunks, sizeof chunks / sizeof *chunks,
                                        check_medium};
@@ -575,6 +578,8 @@ static al_status add_chunks(encoder *e, al_writer *writer, al_error *error)
     al_record_encode(&frame_record_type, e->frames, e->info.frame_count, NULL, records);
     status = al_writer_add(writer, "FRAM", 1, 0, records, (size_t)FRAME_SIZE * e->info.frame_count, error);
     free(records);
+    if (status == AL_OK && e->data->sky)
+        status = al_medium_sky_write(writer, e->path, e->data->sky, e->data->sky_values, error);
     if (status == AL_OK && provenance)
         status = al_writer_add(writer, "PROV", 1, AL_CHUNK_OPTIONAL, provenance, strlen(provenance), error);
     return status;

@@ -99,7 +99,11 @@
     RULE(AL_RULE_MEDIUM_VALUE, 706, "a density is a half from 0 to 32768") \
     RULE(AL_RULE_MEDIUM_BOUNDS, 707, "a medium's lower bounds are below the upper ones") \
     RULE(AL_RULE_MEDIUM_TRANSFORM, 708, "the grid's transform is affine and can be inverted") \
-    RULE(AL_RULE_MEDIUM_TIMES, 709, "frames follow each other in time")
+    RULE(AL_RULE_MEDIUM_TIMES, 709, "frames follow each other in time") \
+    RULE(AL_RULE_MEDIUM_SKY, 710, "SKYI and SKYL stand together, SKYC with them when SKYI says walled") \
+    RULE(AL_RULE_MEDIUM_SKY_SIZE, 711, "SKYL has six bytes a point and number, SKYC eight a cell") \
+    RULE(AL_RULE_MEDIUM_SKY_DEPTH, 712, "an optical depth of SKYL is a half from 0 to 64") \
+    RULE(AL_RULE_MEDIUM_SKY_PLANES, 713, "each eighth of SKYC takes a plane along each axis")
 
 #define AL_RULE_ENUM(name, number, text) name = number,
 enum al_rule { AL_RULES(AL_RULE_ENUM) };

@@ -158,18 +158,18 @@ static al_status bake_objects(bake *b, al_error *error)
     return AL_OK;
 }
 
-/* Fogs whose density varies. */
+/* Fogs whose density varies, or that an environment lights. */
 static al_status bake_fogs(bake *b, al_error *error)
 {
     al_bake_options options = {.program = b->program,
                                .folder = b->arguments->folder,
+                               .threads = (unsigned)b->arguments->threads,
                                .memory_limit = (size_t)(b->arguments->memory_limit_mib * 1048576)};
     al_status status = AL_OK;
     for (uint32_t i = 0; i < b->import->scene.fog_count && status == AL_OK; i++) {
         char path[1400];
         uint64_t key, present;
-        al_step step = {0};
-        if (!al_fog_varies(b->import, i)) continue;
+        if (!al_fog_has_asset(b->import, i)) continue;
         status = al_bake_medium_key(b->import, i, &key, error);
         if (status != AL_OK) return status;
         snprintf(path, sizeof path, "%s/%s", b->arguments->folder, b->import->scene.fogs[i].asset);
@@ -177,9 +177,8 @@ static al_status bake_fogs(bake *b, al_error *error)
             al_program_say(b->program, "%s is up to date", path);
             continue;
         }
-        status = al_bake_medium(b->import, i, key, &options, &step, error);
+        status = al_bake_medium(b->import, i, key, &options, &b->report.steps, error);
         if (status != AL_OK) return status;
-        if (b->report.steps.count < AL_STEP_LIMIT) b->report.steps.steps[b->report.steps.count++] = step;
         al_program_say(b->program, "wrote %s", path);
     }
     return status;
@@ -393,7 +392,7 @@ static al_status name_assets(bake *b, al_error *error)
     }
     for (uint32_t i = 0; i < b->import->scene.fog_count; i++) {
         char file[160];
-        if (!al_fog_varies(b->import, i)) continue;
+        if (!al_fog_has_asset(b->import, i)) continue;
         al_bake_medium_file(b->import, i, file, sizeof file);
         b->import->scene.fogs[i].asset = al_scene_text(&b->import->scene, file);
         if (!b->import->scene.fogs[i].asset) return al_fail(error, AL_IO, "out of memory");

@@ -8,9 +8,11 @@
 #include <string.h>
 
 #include "airlight/medium.h"
+#include "light_key.h"
+#include "sky_light.h"
 
 /* Part of every key: raise it when the asset changes for the same input. */
-static const uint32_t bake_version = 1;
+static const uint32_t bake_version = 2;
 
 enum { LAYER_SHARE = 8, LAYER_VOXELS = 256, LAYER_POINTS = 2 };
 
@@ -30,6 +32,11 @@ bool al_fog_varies(const al_import *import, uint32_t fog)
     return description_of(import, fog)->density.type != AL_DENSITY_CONSTANT;
 }
 
+bool al_fog_has_asset(const al_import *import, uint32_t fog)
+{
+    return al_fog_varies(import, fog) || !al_sky_light_missing(import, fog);
+}
+
 void al_bake_medium_file(const al_import *import, uint32_t fog, char *name, size_t size)
 {
     al_asset_file(import->scene.media[import->scene.fogs[fog].medium].name, "medium", name, size);
@@ -47,9 +54,15 @@ al_status al_bake_medium_key(const al_import *import, uint32_t fog, uint64_t *ke
     XXH64_update(state, &medium->g, sizeof medium->g);
     al_hash_density(state, import, &description_of(import, fog)->density);
     al_grid_sequence_hash(state, import, &description_of(import, fog)->density);
+    al_status status = AL_OK;
+    if (!al_sky_light_missing(import, fog)) {
+        uint64_t light;
+        status = al_light_key(import, &light, error);
+        XXH64_update(state, &light, sizeof light);
+    }
     *key = XXH64_digest(state);
     XXH64_freeState(state);
-    return AL_OK;
+    return status;
 }
 
 static al_status grid_slice(void *user, uint32_t frame, uint32_t z, float *density, al_error *error)
@@ -59,6 +72,15 @@ static al_status grid_slice(void *user, uint32_t frame, uint32_t z, float *densi
     const float *values = s->voxels.values + z * count;
     (void)frame, (void)error;
     for (size_t i = 0; i < count; i++) density[i] = (float)(s->voxels.scale * values[i]);
+    return AL_OK;
+}
+
+/* One voxel, which holds for all of the bounds. */
+static al_status constant_slice(void *user, uint32_t frame, uint32_t z, float *density, al_error *error)
+{
+    const source *s = user;
+    (void)frame, (void)z, (void)error;
+    *density = (float)al_density_max(s->density);
     return AL_OK;
 }
 
@@ -82,7 +104,8 @@ static al_status sampled_slice(void *user, uint32_t frame, uint32_t z, float *de
     return AL_OK;
 }
 
-/* Voxels of an eighth of the thinnest layer, but no more than 256 along the longest edge of the bounds. */
+/* Voxels of an eighth of the thinnest layer, but no more than 256 along the longest edge of the bounds. A
+ * constant density has one. */
 static void place_samples(double detail_m, al_medium_info *info)
 {
     double longest = 0;
@@ -91,7 +114,7 @@ static void place_samples(double detail_m, al_medium_info *info)
     double voxel = fmax(detail_m > 0 ? detail_m / LAYER_SHARE : longest, longest / LAYER_VOXELS);
     for (int k = 0; k < 3; k++) {
         double edge = (double)info->bounds_max_m[k] - info->bounds_min_m[k];
-        info->size[k] = (uint32_t)fmax(1, ceil(edge / voxel - 1e-6));
+        info->size[k] = detail_m > 0 ? (uint32_t)fmax(1, ceil(edge / voxel - 1e-6)) : 1;
         info->grid_to_world[5 * k] = (float)(edge / info->size[k]);
         info->grid_to_world[12 + k] = info->bounds_min_m[k] + 0.5f * info->grid_to_world[5 * k];
     }
@@ -112,6 +135,7 @@ static void describe(const al_import *import, uint32_t fog, source *s, al_medium
     s->density = import->densities[f->medium];
     s->info = info;
     if (!al_density_grid(s->density, &s->voxels)) {
+        info->extended = !al_fog_varies(import, fog);
         place_samples(al_density_detail_m(s->density), info);
         return;
     }
@@ -134,30 +158,40 @@ static al_status check_size(const al_import *import, uint32_t fog, const al_medi
 }
 
 al_status al_bake_medium(const al_import *import, uint32_t fog, uint64_t key, const al_bake_options *options,
-                         al_step *step, al_error *error)
+                         al_steps *steps, al_error *error)
 {
     double started = al_program_seconds();
     char file[160], path[1400], provenance[64];
     uint64_t bytes = 0;
     source s = {0};
+    al_sky_light light = {0};
     al_medium_data data = {.user = &s, .provenance_json = provenance};
     describe(import, fog, &s, &data.info);
-    data.slice = s.voxels.values ? grid_slice : sampled_slice;
+    data.slice = s.voxels.values              ? grid_slice
+                 : al_fog_varies(import, fog) ? sampled_slice
+                                              : constant_slice;
     al_grid_sequence *sequence = NULL;
     al_status status = AL_OK;
     if (description_of(import, fog)->density.frame_count > 1)
         status = al_grid_sequence_open(import, description_of(import, fog), &data, &sequence, error);
     if (status == AL_OK) status = check_size(import, fog, &data.info, options->memory_limit, error);
-    if (status != AL_OK) {
-        al_grid_sequence_close(sequence);
-        return status;
+    if (status == AL_OK && !al_sky_light_missing(import, fog)) {
+        status = al_sky_light_make(import, fog, &data.info, options, &light, error);
+        data.sky = &light.sky;
+        data.sky_values = light.values;
+        if (status == AL_OK)
+            al_steps_add(steps, "sky light", started, 0,
+                         (uint64_t)light.sky.size[0] * light.sky.size[1] * light.sky.size[2]);
+        started = al_program_seconds();
     }
     al_bake_medium_file(import, fog, file, sizeof file);
     snprintf(path, sizeof path, "%s/%s", options->folder, file);
     snprintf(provenance, sizeof provenance, "{\"key\":\"%016llx\"}", (unsigned long long)key);
-    status = al_medium_write(path, &data, &bytes, error);
+    if (status == AL_OK) status = al_medium_write(path, &data, &bytes, error);
+    if (status == AL_OK)
+        al_steps_add(steps, "medium", started, bytes,
+                     (uint64_t)data.info.size[0] * data.info.size[1] * data.info.size[2] * data.info.frame_count);
+    al_sky_light_free(&light);
     al_grid_sequence_close(sequence);
-    *step = (al_step){"medium", al_program_seconds() - started, bytes,
-                      (uint64_t)data.info.size[0] * data.info.size[1] * data.info.size[2] * data.info.frame_count};
     return status;
 }

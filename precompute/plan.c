@@ -5,11 +5,14 @@
 #include "atlas.h"
 #include "bake_medium.h"
 #include "place_probes.h"
+#include "sky_light.h"
 
 /* Measured on two cores of a 2020s server with PoCL (docs/performance.md): seconds per unit of work. */
 static const double seconds_per_voxel_direction = 4e-9;
 static const double seconds_per_sample_direction = 5e-7;
 static const double seconds_per_sample = 3e-4;
+
+static const double seconds_per_sky_fog = 5;
 
 /* On one core, room of docs/methods.md; a path is one sample of a texel. */
 static const double seconds_per_path_segment = 1.5e-6;
@@ -36,6 +39,19 @@ static void add_tables(const al_import *import, al_plan *plan)
         : import->scene.fog_count == 0 ? "the scene has no fog"
                                        : "walls are not as published: rays gather the fog's light themselves",
         40, 5.4e8);
+}
+
+static void add_sky_light(const al_import *import, al_plan *plan)
+{
+    const char *why = "the scene has no fog";
+    uint32_t lit = 0;
+    for (uint32_t i = 0; i < import->scene.fog_count; i++) {
+        const char *missing = al_sky_light_missing(import, i);
+        if (missing && !lit) why = missing;
+        lit += !missing;
+    }
+    add(plan, "sky light", lit > 0, lit ? "fog scatters light of the environment to the eye" : why,
+        lit * seconds_per_sky_fog, lit * 8e6);
 }
 
 static void add_lightmap(const al_import *import, al_plan *plan)
@@ -89,8 +105,11 @@ void al_plan_make(const al_import *import, al_plan *plan)
     for (uint32_t i = 0; i < scene->instance_count; i++)
         blockers = blockers || scene->instances[i].role == AL_ROLE_BLOCKER;
     double channels = chromatic ? 3 : 1, directions = s->directions, samples = s->samples;
-    bool varies = false;
-    for (uint32_t i = 0; i < scene->fog_count; i++) varies = varies || al_fog_varies(import, i);
+    bool varies = false, kept = false;
+    for (uint32_t i = 0; i < scene->fog_count; i++) {
+        varies = varies || al_fog_varies(import, i);
+        kept = kept || al_fog_has_asset(import, i);
+    }
     const char *none = "the scene has no translucent object";
 
     plan->count = 0;
@@ -119,8 +138,9 @@ void al_plan_make(const al_import *import, al_plan *plan)
         chromatic ? "extinction differs between red, green and blue: three sets of coefficients"
                   : "extinction is grey: one set of coefficients serves",
         0, 0);
-    add(plan, "medium", varies,
+    add(plan, "medium", kept,
         varies             ? "the density of a fog varies: its voxels become bricks"
+        : kept             ? "the sky's light in a fog is kept in its asset"
         : scene->fog_count ? "the density of every fog is constant"
                            : "the scene has no fog",
         0.1, 0);
@@ -128,6 +148,7 @@ void al_plan_make(const al_import *import, al_plan *plan)
         scene->environment.width > 0 ? "the scene has an environment light"
                                      : "the scene has no environment light",
         0.1, 12.0 * scene->environment.width * scene->environment.height);
+    add_sky_light(import, plan);
     add_tables(import, plan);
     add_lightmap(import, plan);
     add_probes(import, plan);

@@ -29,6 +29,7 @@ void al_fog_free(al_runtime *runtime)
     al_gl_buffer_free(&runtime->memory, &fogs->constants);
     al_gl_buffer_free(&runtime->memory, &fogs->cells);
     al_gl_texture_free(&runtime->memory, &fogs->bricks);
+    al_fog_sky_free(runtime);
     free(fogs->media);
     memset(fogs, 0, sizeof *fogs);
 }
@@ -90,7 +91,7 @@ static al_status make_atlas(al_runtime *runtime, al_error *error)
     if (status) return status;
     glTextureParameteri(fogs->bricks.id, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     glTextureParameteri(fogs->bricks.id, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    return AL_OK;
+    return al_fog_sky_upload(runtime, error);
 }
 
 /* The index of bricks of the frame that comes in, with the atlas's numbers. */
@@ -127,6 +128,7 @@ al_status al_fog_accept(al_runtime *runtime, const al_arrival *arrival, uint64_t
         medium->info = arrival->medium;
         medium->times_s = arrival->times_s;
         medium->brick_limit = arrival->brick_limit;
+        medium->sky = arrival->sky;
         medium->present = true;
         al_fog_begin_frame(medium, 0, &arrival->frame);
         runtime->moving.length_s = fmax(runtime->moving.length_s, al_fog_length_s(runtime));
@@ -167,6 +169,12 @@ static void fill_constant(const al_fog *fog, const al_medium *medium, al_fog_ent
     entry->low[3] = fog->bounded;
     entry->sigma_t[3] = medium->g;
     entry->sigma_s[3] = 1;
+}
+
+/* One voxel that holds for all of the bounds. */
+static bool is_constant(const al_medium_info *info)
+{
+    return info->extended && info->size[0] == 1 && info->size[1] == 1 && info->size[2] == 1;
 }
 
 /* The texture holds densities in units of their maximum / AL_MEDIUM_UNIT. */
@@ -210,11 +218,16 @@ void al_fog_prepare(al_draw *draw)
     for (uint32_t i = 0; i < runtime->scene.fog_count; i++) {
         const al_fog *fog = &runtime->scene.fogs[i];
         const al_fog_medium *medium = &fogs->media[i];
-        if (!*fog->asset)
-            fill_constant(fog, &runtime->scene.media[fog->medium], &block->fogs[count++]);
-        else if (medium->present && !medium->failed && medium->loaded &&
-                 medium->loaded == medium->frame.brick_count)
-            fill_grid(medium, draw->settings.march_voxels, &block->fogs[count++]);
+        bool complete = medium->present && !medium->failed && medium->loaded &&
+                        medium->loaded == medium->frame.brick_count;
+        if (!*fog->asset || (complete && is_constant(&medium->info)))
+            fill_constant(fog, &runtime->scene.media[fog->medium], &block->fogs[count]);
+        else if (complete)
+            fill_grid(medium, draw->settings.march_voxels, &block->fogs[count]);
+        else
+            continue;
+        if (complete) al_fog_sky_fill(runtime, medium, &block->fogs[count]);
+        count++;
     }
     fogs->drawn = count > 0;
     if (!count) return;
@@ -222,8 +235,10 @@ void al_fog_prepare(al_draw *draw)
     block->counts[1] = (int32_t)draw->settings.fog_steps;
     block->counts[2] = (int32_t)runtime->frame_number;
     block->counts[3] = !draw->settings.shadows_off;
+    block->atlas[2] = al_fog_sky_exists(runtime);
+    block->atlas[3] = fogs->sky_stride;
     for (int k = 0; k < 3 && fogs->bricks.id; k++) {
-        block->atlas[k] = fogs->atlas[k];
+        if (k < 2) block->atlas[k] = fogs->atlas[k];
         block->texel[k] = 1.0f / (float)(fogs->atlas[k] * AL_BRICK_EDGE);
     }
     glNamedBufferSubData(fogs->constants.id, 0, sizeof *block, block);
@@ -257,6 +272,7 @@ static al_status run(al_draw *draw, const char *defines, GLuint framebuffer)
     al_gl_bind_texture(AL_UNIT_PASS, runtime->targets.geometry.id);
     al_gl_bind_texture(AL_UNIT_PASS + 1, runtime->targets.boundary.id);
     al_gl_bind_texture(AL_UNIT_FOG, runtime->fogs.bricks.id);
+    al_fog_sky_bind(runtime);
     glBindVertexArray(runtime->empty_vertex_array);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     al_timing_end(&runtime->timing);

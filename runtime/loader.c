@@ -96,6 +96,7 @@ static void open_medium(asset *a, al_arrival *arrival)
             status = al_fail(&arrival->error, AL_IO, "%s: no memory for its frames", a->path);
     }
     if (!status) status = al_medium_read_times(a->file, &a->medium, a->times_s, a->brick_counts, &arrival->error);
+    if (!status) status = al_medium_read_sky(a->file, &arrival->sky, &arrival->error);
     arrival->kind = AL_ARRIVAL_FAILURE;
     if (status) return;
     open_frame(a, 0, AL_ARRIVAL_MEDIUM, arrival);

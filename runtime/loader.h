@@ -38,6 +38,7 @@ typedef struct al_arrival {
     uint32_t brick_limit; /* bricks of the frame with the most */
     al_medium_frame frame;
     uint32_t frame_index;
+    al_medium_sky sky; /* with AL_ARRIVAL_MEDIUM */
     al_medium_page bricks;
     al_lightmap_info lightmap;
     const al_lightmap_instance *instances; /* [lightmap.instance_count] */

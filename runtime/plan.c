@@ -73,6 +73,13 @@ const al_plan_row *al_runtime_plan(al_runtime *runtime, uint32_t *count)
         ms[AL_STAGE_SPAN] + ms[AL_STAGE_LEGS] + ms[AL_STAGE_SHELLS] + ms[AL_STAGE_BOUNCE_RAYS] + ms[AL_STAGE_BOUNCE] +
             ms[AL_STAGE_BOUNCE_LIGHT] + ms[AL_STAGE_UNSHUFFLE] + ms[AL_STAGE_BLUR] + ms[AL_STAGE_GATHER],
         al_shells_bytes(runtime));
+    bool sky = al_fog_sky_exists(runtime);
+    add(runtime, count, "sky light", sky,
+        sky                 ? "fog scatters light of the environment towards the eye"
+        : !scene->fog_count ? "no fog"
+        : environment       ? "no fog that scatters has an end"
+                            : "no environment light",
+        0, al_fog_sky_bytes(runtime));
     add(runtime, count, "environment", environment,
         environment ? "environment light" : "no environment light", 0, runtime->environment.bytes);
     add(runtime, count, "intervals", objects,

@@ -55,6 +55,8 @@ typedef struct al_fog_entry {
     float to_index[16], low[4], extent[4], sigma_t[4], sigma_s[4];
     int32_t size[4], cells[4];
     float march[4];
+    int32_t sky_size[4], sky_place[4];
+    float sky_grade[4];
 } al_fog_entry;
 
 typedef struct al_fog_block {
@@ -62,7 +64,7 @@ typedef struct al_fog_block {
     float texel[4];
     al_fog_entry fogs[AL_FOG_LIMIT];
 } al_fog_block;
-_Static_assert(sizeof(al_fog_block) == 48 + 8 * (64 + 7 * 16), "std140");
+_Static_assert(sizeof(al_fog_block) == 48 + 8 * (64 + 10 * 16), "std140");
 
 enum { AL_FOG_SLOTS = 3 };
 
@@ -85,13 +87,16 @@ typedef struct al_fog_medium { /* of one al_scene.fogs whose density varies */
     al_fog_slot slots[AL_FOG_SLOTS];
     uint32_t shown, incoming;  /* slots; incoming AL_NO_INDEX: nothing is on its way */
     uint32_t wanted;           /* the frame at the time */
+    al_medium_sky sky;           /* the loader's; size 0: none */
+    int32_t sky_slice, sky_cell; /* its first ones along z of the textures */
 } al_fog_medium;
 
 typedef struct al_fogs {
     al_fog_medium *media; /* [scene.fog_count] */
     al_gl_buffer constants, cells;
-    al_gl_texture bricks;
+    al_gl_texture bricks, sky_light, sky_planes;
     int32_t atlas[3];   /* bricks along its axes */
+    int32_t sky_stride; /* texels along x from number to number of sky_light */
     bool drawn;         /* in the frame being drawn */
     al_fog_block block; /* of that frame */
 } al_fogs;
@@ -376,6 +381,14 @@ al_status al_span_run(al_draw *draw); /* shell.c: by which splats are left out *
 al_status al_shells_fit_light(al_draw *draw, uint32_t layers); /* gather.c: what is blurred and summed */
 al_status al_shells_inspect(al_draw *draw); /* composite.c */
 al_status al_shells_gather(al_draw *draw); /* gather.c: the levels' sum over what the tile holds */
+
+/* fog_sky.c: when every medium has arrived and none has been drawn */
+al_status al_fog_sky_upload(al_runtime *runtime, al_error *error);
+void al_fog_sky_fill(const al_runtime *runtime, const al_fog_medium *medium, al_fog_entry *entry);
+void al_fog_sky_bind(const al_runtime *runtime);
+bool al_fog_sky_exists(const al_runtime *runtime);
+uint64_t al_fog_sky_bytes(const al_runtime *runtime);
+void al_fog_sky_free(al_runtime *runtime);
 
 /* lightmap.c */
 al_status al_lightmap_accept(al_runtime *runtime, const al_arrival *arrival, uint64_t *budget, bool *done,

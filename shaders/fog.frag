@@ -15,10 +15,12 @@
 // phase function are taken at one place in each cell, drawn (stratified, by pixel and frame) as T is lost there in
 // one of the channels, and weighted by the balance heuristic (Veach and Guibas 1995) for all three: an even
 // draw would miss the lit skin of a thick cell.
-// Light of the environment is not scattered, only lost.
+// Light of the environment comes from the bake (fog_sky.glsl). It varies slowly: its cells are even, halved where
+// much is lost, and its place in a cell is the mean of where T is lost there. No noise.
 #extension GL_GOOGLE_include_directive : enable
 #include "shadows.glsl"
 #include "fogs.glsl"
+#include "fog_sky.glsl"
 
 layout(binding = 2) uniform sampler2D geometry; // of the opaque surfaces: w distance, 0 none
 layout(binding = 3) uniform sampler2D boundary; // of the object: w distance, negative: the eye is inside
@@ -30,6 +32,9 @@ layout(location = 1) out vec4 kept;
 layout(location = 0, index = 0) out vec4 added;
 layout(location = 0, index = 1) out vec4 kept;
 #endif
+
+const float sky_nothing_left = 10.0; // exp(-10) = 5e-5
+const float sky_cell_depth = 0.2;
 
 // Random bits from pixel and frame: the 32-bit mixer of Wellons's "lowbias32" search.
 uint random_bits(ivec2 pixel)
@@ -83,6 +88,13 @@ float loss_place(vec3 d, int c, float random, out vec3 weight)
     return x;
 }
 
+// The share lost / depth of what a cell scatters that leaves it towards the eye.
+vec3 leaving(vec3 depth)
+{
+    vec3 lost = vec3(al_one_minus_exp(depth.r), al_one_minus_exp(depth.g), al_one_minus_exp(depth.b));
+    return mix(lost / max(depth, vec3(1e-30)), vec3(1.0), lessThan(depth, vec3(1e-6)));
+}
+
 vec3 scattered_light(int index, vec3 origin, vec3 direction, float from, float end, uint bits)
 {
     Light light = lights[index];
@@ -106,12 +118,10 @@ vec3 scattered_light(int index, vec3 origin, vec3 direction, float from, float e
         light_arrival(index, here, 1e8, toward, reach);
         for (int i = 0; i < fog_counts.x; i++)
             source += fogs[i].sigma_s.rgb * shares[i] * al_phase(fogs[i].sigma_t.w, dot(toward, direction));
-        vec3 lost = vec3(al_one_minus_exp(depth.r), al_one_minus_exp(depth.g), al_one_minus_exp(depth.b));
-        lost = mix(lost / max(depth, vec3(1e-30)), vec3(1.0), lessThan(depth, vec3(1e-6)));
         float arriving = light.vector.w == 0.0
                              ? 1.0
                              : c.angle / (float(count) * c.away * max(b - a, 1e-6 * c.away));
-        vec3 part = exp(-tau) * lost * source * weight * arriving;
+        vec3 part = exp(-tau) * leaving(depth) * source * weight * arriving;
         if (dot(part, vec3(1.0)) > 0.0) {
             part *= fog_transmittance(here, toward, reach, 64.0);
             if (fog_counts.w != 0)
@@ -123,6 +133,44 @@ vec3 scattered_light(int index, vec3 origin, vec3 direction, float from, float e
         a = b;
     }
     return min(sum * light.intensity.rgb, vec3(1e30));
+}
+
+// The mean of the loss density's x over [0, 1]: 1/d - 1/(exp(d) - 1); its series below 1/8, error 1e-6.
+float mean_loss_place(float d)
+{
+    return d < 0.125 ? 0.5 - d / 12.0 * (1.0 - d * d / 60.0) : 1.0 / d - exp(-d) / al_one_minus_exp(d);
+}
+
+// A quarter of a light's cells is enough, as nothing is drawn in them; those that lose much are halved, up to
+// five times: where a grid is dense, the light falls off within a few voxels.
+vec3 scattered_sky(vec3 origin, vec3 direction, float from, float end)
+{
+    float widest = (end - from) / float((fog_counts.y + 3) / 4), width = widest, a = from;
+    vec3 sum = vec3(0.0), tau = vec3(0.0);
+    sky_begin(direction);
+    while (a < end - 1e-3 * widest && any(lessThan(tau, vec3(sky_nothing_left)))) {
+        float b = min(a + width, end), shares[AL_FOG_LIMIT];
+        if (!(b > a)) break; // cells below float's resolution
+        vec3 depth = vec3(0.0), source = vec3(0.0);
+        for (int i = 0; i < fog_counts.x; i++) {
+            shares[i] = fog_depth(i, origin, direction, a, b, 32.0);
+            depth += fogs[i].sigma_t.rgb * shares[i];
+        }
+        float mean = dot(depth, vec3(1.0 / 3.0));
+        if (mean > sky_cell_depth && width > 0.05 * widest) {
+            width *= 0.5;
+            continue;
+        }
+        vec3 here = origin + direction * mix(a, b, mean_loss_place(mean));
+        for (int i = 0; i < fog_counts.x; i++)
+            if (shares[i] > 0.0 && fogs[i].sky_size.w > 0)
+                source += fogs[i].sigma_s.rgb * shares[i] * sky_towards(i, here);
+        sum += exp(-tau) * leaving(depth) * source;
+        tau += depth;
+        a = b;
+        width = min(2.0 * width, widest);
+    }
+    return min(sum, vec3(1e30));
 }
 
 void main()
@@ -144,4 +192,5 @@ void main()
     uint bits = random_bits(place + tile.xy);
     for (int i = 0; i < counts.x; i++)
         added.rgb += scattered_light(i, origin, direction, from, end, bits);
+    if (fog_atlas.z != 0) added.rgb += scattered_sky(origin, direction, from, end);
 }

@@ -18,11 +18,15 @@ struct Fog {
     ivec4 size;    // voxels along the axes; w: first cell in fog_cells
     ivec4 cells;   // bricks along the axes, 0 for a constant density
     vec4 march;    // x: step in m; yzw unused
+    ivec4 sky_size;  // xyz: points along the axes; w: bands of SH, 0 without light of the sky
+    ivec4 sky_place; // x: first slice in sky_light, y: in sky_planes, negative: no walls; zw unused
+    vec4 sky_grade;  // xyz: of the planes of points; w: W/(m2 sr) where a number reads 1
 };
 
 layout(std140, binding = 2) uniform Fogs {
     ivec4 fog_counts; // fogs; cells along a ray and light; frame number; 1 when lights cast shadows
-    ivec4 fog_atlas;  // xy: bricks along x and y of the atlas; zw unused
+    ivec4 fog_atlas;  // xy: bricks along x and y of the atlas; z: 1 with light of the sky; w: of sky_light, texels
+                      // along x from number to number
     vec4 fog_texel;   // xyz: edge of an atlas texel in texture coordinates
     Fog fogs[AL_FOG_LIMIT];
 };

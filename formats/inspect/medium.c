@@ -27,12 +27,22 @@ static json_t *frame_list(const al_file *file, const al_medium_info *info, uint6
     return list;
 }
 
+static json_t *sky_facts(const al_medium_sky *sky)
+{
+    if (!sky->size[0]) return json_null();
+    return json_pack("{s:[i,i,i],s:i,s:o,s:o,s:o}", "points", (int)sky->size[0], (int)sky->size[1],
+                     (int)sky->size[2], "order", (int)sky->order, "grade", json_numbers(sky->grade, 3),
+                     "unit_w_m2_sr", json_number(sky->unit_w_m2_sr), "walled", json_boolean(sky->walled));
+}
+
 static al_status summary(const al_file *file, json_t **out, al_error *error)
 {
     al_medium_info info;
     uint32_t cells[3];
     uint64_t bricks;
+    al_medium_sky sky;
     al_status status = al_medium_read(file, &info, error);
+    if (status == AL_OK) status = al_medium_read_sky(file, &sky, error);
     if (status != AL_OK) return status;
     json_t *frames = frame_list(file, &info, &bricks, error);
     if (!frames) return error->status;
@@ -54,6 +64,7 @@ static al_status summary(const al_file *file, json_t **out, al_error *error)
     json_object_set_new(o, "sigma_a_per_m", json_numbers(info.sigma_a_per_m, 3));
     json_object_set_new(o, "g", json_number(info.g));
     json_object_set_new(o, "frames", frames);
+    json_object_set_new(o, "sky", sky_facts(&sky));
     json_object_set_new(o, "provenance", json_provenance(file));
     *out = o;
     return AL_OK;
@@ -83,13 +94,20 @@ static al_status evaluate(const al_file *file, const json_t *query, json_t **ans
     static const char *const keys[] = {"position", "time", NULL};
     float position[3], scattering[3], absorption[3];
     double time_s;
+    double sh[3][AL_SKY_TERMS_LIMIT];
     al_medium_info info;
     al_medium_field *field;
+    al_medium_sky sky;
     al_status status = query_keys(query, keys, error);
     if (status == AL_OK) status = query_vector(query, "position", position, error);
     if (status == AL_OK) status = query_time(query, &time_s, error);
     if (status == AL_OK) status = open_field(file, &info, &field, error);
     if (status != AL_OK) return status;
+    status = al_medium_read_sky(file, &sky, error);
+    if (status != AL_OK) {
+        al_medium_field_close(field);
+        return status;
+    }
     double density = al_medium_evaluate(field, (double[3]){position[0], position[1], position[2]}, time_s);
     for (int c = 0; c < 3; c++) {
         scattering[c] = (float)(density * info.sigma_s_per_m[c]);
@@ -97,6 +115,16 @@ static al_status evaluate(const al_file *file, const json_t *query, json_t **ans
     }
     *answer = json_pack("{s:o,s:o,s:o}", "sigma_s_per_m", json_numbers(scattering, 3), "sigma_a_per_m",
                         json_numbers(absorption, 3), "g", json_number(info.g));
+    if (sky.size[0]) {
+        json_t *channels = json_array();
+        float numbers[AL_SKY_TERMS_LIMIT];
+        al_medium_sky_at(&info, &sky, (double[3]){position[0], position[1], position[2]}, sh);
+        for (int c = 0; c < 3; c++) {
+            for (uint32_t k = 0; k < sky.order * sky.order; k++) numbers[k] = (float)sh[c][k];
+            json_array_append_new(channels, json_numbers(numbers, sky.order * sky.order));
+        }
+        json_object_set_new(*answer, "sky_sh", channels);
+    }
     al_medium_field_close(field);
     return AL_OK;
 }

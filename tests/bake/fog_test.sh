@@ -49,6 +49,31 @@ grep -q '"sigma_s_per_m": \[2.0, 2.0, 2.0\]' "$work/stdout" || wrong "another me
 run 0 "$bin/airlight-bake" "$work/fog.json" --plan
 grep -A1 '"step": "medium"' "$work/stdout" | grep -q '"needed": true' || wrong "the plan leaves the medium out"
 
+# Under a sky a constant fog with bounds has an asset, which holds the sky's light; one without none.
+cat >"$work/sky.json" <<SCENE
+{
+  "environment": {"radiance_w_m2_sr": 1},
+  "media": [
+    {"name": "haze", "sigma_s_per_m": 1, "g": 0.3, "density": {"type": "constant", "bounds_min_m": [0, 0, 0], "bounds_max_m": [1, 1, 1]}},
+    {"name": "smoke", "sigma_a_per_m": 1, "density": {"type": "constant", "bounds_min_m": [2, 0, 0], "bounds_max_m": [3, 1, 1]}}
+  ],
+  "fogs": ["haze", "smoke"]
+}
+SCENE
+run 0 "$bin/airlight-bake" "$work/sky.json" -o "$work/sky" --threads 1
+[ "$(ls "$work/sky")" = "haze.medium.air
+report.json
+scene.air" ] || wrong "the folder holds $(ls "$work/sky")"
+run 0 "$bin/airlight-inspect" --check "$work/sky/haze.medium.air"
+grep -A1 '"step": "sky light"' "$work/sky/report.json" | grep -q '"needed": true' || wrong "the plan leaves the sky out"
+cp "$work/sky/haze.medium.air" "$work/one.air"
+rm "$work/sky/haze.medium.air"
+run 0 "$bin/airlight-bake" "$work/sky.json" -o "$work/sky" --threads 3
+cmp -s "$work/one.air" "$work/sky/haze.medium.air" || wrong "the number of threads changes the sky's light"
+sed -i 's/"radiance_w_m2_sr": 1/"radiance_w_m2_sr": 0/' "$work/sky.json"
+run 0 "$bin/airlight-bake" "$work/sky.json" --plan
+grep -A2 '"step": "sky light"' "$work/stdout" | grep -q 'no environment light' || wrong "the plan does not say why not"
+
 # Negative coefficients.
 cp "$work/fog.json" "$work/kept.json"
 scene -1 0.5

@@ -17,7 +17,7 @@ static const al_program program = {.name = "medium_test", .quiet = true};
 static al_status bake(const char *density, size_t memory_limit, al_import **import, al_error *error)
 {
     char path[512], file[160];
-    al_step step;
+    al_steps steps = {0};
     uint64_t key;
     snprintf(path, sizeof path, "%s/scene.json", folder);
     FILE *scene = fopen(path, "w");
@@ -31,7 +31,7 @@ static al_status bake(const char *density, size_t memory_limit, al_import **impo
     if (status) return status;
     al_bake_options options = {.program = &program, .folder = folder, .memory_limit = memory_limit};
     status = al_bake_medium_key(*import, 0, &key, error);
-    if (!status) status = al_bake_medium(*import, 0, key, &options, &step, error);
+    if (!status) status = al_bake_medium(*import, 0, key, &options, &steps, error);
     al_bake_medium_file(*import, 0, file, sizeof file);
     CHECK(strcmp(file, "fog.medium.air") == 0);
     return status;

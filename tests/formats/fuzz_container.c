@@ -105,12 +105,15 @@ static bool read_medium(const al_file *file)
     al_medium_frame frame;
     al_medium_page page;
     al_medium_field *field;
+    al_medium_sky sky;
+    double sh[3][AL_SKY_TERMS_LIMIT];
     if (al_medium_read(file, &info, NULL) != AL_OK) return false;
     for (uint32_t i = 0; i < info.frame_count; i++) {
         if (al_medium_read_frame(file, &info, i, &frame, NULL) != AL_OK) return false;
         for (uint32_t p = 0; p < al_medium_page_count(&info, &frame); p++)
             if (al_medium_read_page(file, &info, i, p, &page, NULL) != AL_OK) return false;
     }
+    if (al_medium_read_sky(file, &sky, NULL) != AL_OK) return false;
     REQUIRE(al_medium_field_open(file, &info, &field, NULL) == AL_OK);
     for (int i = 0; i < 64; i++) {
         double place[3];
@@ -118,6 +121,7 @@ static bool read_medium(const al_file *file)
             place[k] = info.bounds_min_m[k] +
                        ((double)info.bounds_max_m[k] - info.bounds_min_m[k]) * (i >> 2 * k & 3) / 3;
         REQUIRE(al_medium_evaluate(field, place, i * 0.05) >= 0);
+        if (sky.size[0]) al_medium_sky_at(&info, &sky, place, sh);
     }
     al_medium_field_close(field);
     return true;

@@ -273,3 +273,21 @@ void golden_fill_medium(al_medium_data *data)
                  .sigma_s_per_m = {1, 2, 4}, .sigma_a_per_m = {0.5f, 0.25f, 0}, .g = 0.75f},
         .times_s = times_s, .slice = golden_slice, .provenance_json = "{\"key\":\"00000000deadbeef\"}"};
 }
+
+/* 3 x 2 x 2 points of order 2, a wall in the second cell. Number n of channel c at point i: depth i / 4, then
+ * n + c / 4 - i / 16. */
+void golden_fill_medium_sky(al_medium_data *data)
+{
+    static float values[5 * 12 * 3];
+    static uint8_t planes[2 * 8];
+    static al_medium_sky lattice = {
+        .size = {3, 2, 2}, .order = 2, .grade = {0, 1.5f, 0}, .walled = true, .planes = planes};
+    for (int k = 0; k < 5 * 12 * 3; k++) {
+        int n = k / 36, i = k / 3 % 12, c = k % 3;
+        values[k] = n ? (float)n + 0.25f * (float)c - 0.0625f * (float)i : 0.25f * (float)i;
+    }
+    for (int k = 0; k < 16; k++) planes[k] = k < 8 ? 63 : k % 2 ? 62 : 55;
+    golden_fill_medium(data);
+    data->sky = &lattice;
+    data->sky_values = values;
+}

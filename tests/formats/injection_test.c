@@ -160,7 +160,7 @@ static al_status write_lightmap(al_error *error)
 static al_status write_medium(al_error *error)
 {
     al_medium_data medium;
-    golden_fill_medium(&medium);
+    golden_fill_medium_sky(&medium);
     return al_medium_write(path, &medium, NULL, error);
 }
 

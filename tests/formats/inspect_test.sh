@@ -85,6 +85,9 @@ run 0 medium_1_0.air --eval '{"position": [2.5, -0.75, 3.5], "time": 1}'
 [ "$(cat "$work/out")" = '{"sigma_s_per_m": [2.0, 4.0, 8.0], "sigma_a_per_m": [1.0, 0.5, 0.0], "g": 0.75}' ] || wrong "answer: $(cat "$work/out")"
 run 0 medium_1_0.air --eval '{"position": [0, 5, 0]}'
 [ "$(cat "$work/out")" = '{"sigma_s_per_m": [0.0, 0.0, 0.0], "sigma_a_per_m": [0.0, 0.0, 0.0], "g": 0.75}' ] || wrong "answer: $(cat "$work/out")"
+# Point 11 of the sky's light stands at the upper corner: number n of channel c is (n + c/4 - 11/16) exp(-11/4).
+run 0 medium_sky_1_0.air --eval '{"position": [2.75, 0.5, 4.25]}'
+grep -q '"sky_sh": \[\[0.0199' "$work/out" || wrong "answer: $(cat "$work/out")"
 fails 2 '"time" should be a finite number' medium_1_0.air --eval '{"position": [0, 0, 0], "time": "now"}'
 fails 2 'answers no questions' scene_1_0.air --eval '{}'
 fails 3 '(rule 106)' refuse_106_header_checksum.air --eval '{"position": [0, 0, 0], "direction": [0, 1, 0]}'

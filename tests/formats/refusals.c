@@ -10,6 +10,7 @@
 #define MAP "lightmap_half_1_0"
 #define MAP_FLOAT "lightmap_float_1_0"
 #define MEDIUM "medium_1_0"
+#define SKY "medium_sky_1_0"
 
 #define IMPULSE "impulse_tables_1_0"
 
@@ -179,6 +180,13 @@ const refusal refusals[] = {
     {707, "medium_bounds_equal", MEDIUM, SEAL_ALL, {CHUNK("INFO", 0, 88, 4, 0x40300000)}},
     {708, "grid_flat", MEDIUM, SEAL_ALL, {CHUNK("INFO", 0, 24, 4, 0)}},
     {708, "grid_not_affine", MEDIUM, SEAL_ALL, {CHUNK("INFO", 0, 36, 4, 0x3f800000)}},
+    {710, "sky_light_missing", SKY, SEAL_ALL, {HIDE("SKYL", 0)}},
+    {710, "sky_planes_missing", SKY, SEAL_ALL, {HIDE("SKYC", 0)}},
+    {711, "sky_light_too_short", SKY, SEAL_ALL, {RESIZE("SKYL", 0, 358), CHUNK("SKYL", 0, 358, 2, 0)}},
+    {712, "sky_depth_negative", SKY, SEAL_ALL, {CHUNK("SKYL", 0, 6, 2, 0xbc00)}},
+    {713, "sky_planes_of_none", SKY, SEAL_ALL, {CHUNK("SKYC", 0, 3, 1, 0x36)}},
+    {131, "sky_light_not_finite", SKY, SEAL_ALL, {CHUNK("SKYL", 0, 200, 2, 0x7c00)}},
+    {132, "sky_order_zero", SKY, SEAL_ALL, {CHUNK("SKYI", 0, 12, 4, 0)}},
     {709, "frames_at_one_time", MEDIUM, SEAL_ALL, {CHUNK("FRAM", 0, 12, 4, 0x3f000000)}},
     {130, "lighting_of_too_few", LIT, SEAL_ALL, {RESIZE("INLI", 0, 8), CHUNK("INLI", 0, 8, 4, 0)}},
 

@@ -69,7 +69,7 @@ static size_t chunk(const source *s, const char *type, int n, size_t *size)
 
 static unsigned is_optional(const unsigned char *type)
 {
-    static const char types[] = "PROV INLI FOGS BAKD NODE CHAN BIND JONT DEFM KEYS SHAP";
+    static const char types[] = "PROV INLI FOGS BAKD NODE CHAN BIND JONT DEFM KEYS SHAP SKYI SKYL SKYC";
     for (size_t i = 0; i < sizeof types - 1; i += 5)
         if (!memcmp(type, types + i, 4)) return 1;
     return 0;
@@ -358,6 +358,27 @@ static void check_medium(void)
     CHECK(size == 0);
 }
 
+/* The sky's light as documented: 3 x 2 x 2 points of order 2, the largest number 4.5. */
+static void check_medium_sky(void)
+{
+    const source *s = load("medium_sky_1_0.air");
+    size_t size, at = chunk(s, "SKYI", 0, &size);
+    check_container(s, 6);
+    CHECK(size == 36 && number(s, at, 4) == 3 && number(s, at + 4, 4) == 2 && number(s, at + 8, 4) == 2);
+    CHECK(number(s, at + 12, 4) == 2 && real(s, at + 16) == 0 && real(s, at + 20) == 1.5);
+    double unit = real(s, at + 28);
+    CHECK(unit == 8.0 / 32768 && number(s, at + 32, 4) == 1);
+    at = chunk(s, "SKYL", 0, &size);
+    CHECK(size == 2 * 5 * 12 * 3);
+    for (size_t k = 0; k < 180; k++) {
+        double n = (double)(k / 36), point = (double)(k / 3 % 12), channel = (double)(k % 3);
+        double value = half(s, at + 2 * k) * (n > 0 ? unit : 1);
+        CHECK(value == (n > 0 ? n + channel / 4 - point / 16 : point / 4));
+    }
+    at = chunk(s, "SKYC", 0, &size);
+    CHECK(size == 16 && number(s, at + 7, 1) == 63 && number(s, at + 8, 1) == 55 && number(s, at + 9, 1) == 62);
+}
+
 /* probes: five probes of order 2, the face 1 2 3 between two tetrahedra. */
 static void check_probes(void)
 {
@@ -386,6 +407,7 @@ int main(void)
     check_impulse_tables();
     check_lightmap();
     check_medium();
+    check_medium_sky();
     check_probes();
     check_translucent();
     check_half();

@@ -54,6 +54,26 @@ typedef struct al_medium_page {
     const uint16_t *values; /* [count][9][9][9], x fastest, binary16, 0 to AL_MEDIUM_UNIT */
 } al_medium_page;
 
+enum { AL_SKY_ORDER_LIMIT = 6, AL_SKY_TERMS_LIMIT = AL_SKY_ORDER_LIMIT * AL_SKY_ORDER_LIMIT };
+
+/* Light of the environment that arrives inside the medium, at a lattice of points that spans its bounds:
+ *   SH of incident radiance, W/(m2 sr) = unit_w_m2_sr * coefficient * exp(-optical depth),
+ * both trilinear between points; light that is thinned out by the media falls off like an exponential. Along
+ * an axis of n points, point i lies at the share al_graded_place(grade, i / (n - 1)) of the bounds' edge. */
+typedef struct al_medium_sky {
+    uint32_t size[3];   /* points along x, y, z; 0: the medium has no such light */
+    uint32_t order;     /* SH bands, to AL_SKY_ORDER_LIMIT */
+    float grade[3];     /* 0: evenly spaced */
+    float unit_w_m2_sr;
+    bool walled;        /* surfaces stand between points */
+    const uint16_t *values; /* [1 + order^2][z][y][x][3] binary16: optical depths, then coefficients */
+    /* [z][y][x][8] of the size - 1 cells: of which of the planes of points around it each eighth takes
+     * coefficients, bits 0 to 2 the lower one along x, y, z, bits 3 to 5 the upper one. Where one of the two is
+     * left out, a surface stands before some of its points. The eighth is x + 2 y + 4 z, 1 the upper half.
+     * NULL unless walled. */
+    const uint8_t *planes;
+} al_medium_sky;
+
 /* Reads and validates the info; `file` must be of kind medium. */
 al_status al_medium_read(const al_file *file, al_medium_info *info, al_error *error);
 /* Bricks along each axis: those that the voxel centres span, at least one. */
@@ -68,6 +88,12 @@ uint32_t al_medium_page_count(const al_medium_info *info, const al_medium_frame 
 /* Verifies and answers page `page` of frame `index`. */
 al_status al_medium_read_page(const al_file *file, const al_medium_info *info, uint32_t index, uint32_t page,
                               al_medium_page *out, al_error *error);
+
+/* Verifies and answers the sky's light; size 0 where there is none. */
+al_status al_medium_read_sky(const al_file *file, al_medium_sky *sky, al_error *error);
+/* Its coefficients at a world position, which counts as clamped to the bounds. */
+void al_medium_sky_at(const al_medium_info *info, const al_medium_sky *sky, const double position[3],
+                      double sh[3][AL_SKY_TERMS_LIMIT]);
 
 /* The whole medium as a function of place and time. Opening verifies every page; evaluating is thread-safe.
  */
@@ -86,6 +112,8 @@ typedef struct al_medium_data {
     const float *times_s; /* [frame_count]; NULL: 0, for one frame */
     al_medium_slice_fn *slice;
     void *user;
+    const al_medium_sky *sky;    /* NULL: none; its unit and values are made from those of the next line */
+    const float *sky_values;     /* [1 + order^2][z][y][x][3]: optical depths to 64, coefficients in W/(m2 sr) */
     const char *provenance_json; /* kept as chunk PROV; may be NULL */
 } al_medium_data;
 
