@@ -308,6 +308,7 @@ static void capture(al_draw *draw, const programs *p)
     al_surfel_count *count = &s->ring[s->current];
     set_rule(p->split, &s->rule);
     set_rule(p->fine, &s->rule);
+    glProgramUniform1ui(p->fine, 8, draw->settings.surfel_seed);
     glUseProgram(p->fine);
     glBindFramebuffer(GL_FRAMEBUFFER, draw->framebuffer); /* any complete one */
     glEnable(GL_RASTERIZER_DISCARD);

@@ -7,6 +7,7 @@
 layout(vertices = 3) out;
 layout(location = 5) uniform ivec3 choice; // x: instance
 layout(location = 7) uniform bool leave_huge; // they are split
+layout(location = 8) uniform uint cloud_seed; // another one places all surfels anew
 
 in vec3 vertex_position[];
 in vec2 vertex_uv[];
@@ -29,7 +30,7 @@ void main()
     gl_TessLevelInner[0] = level;
     fine_area = area / fine_count(level);
     uint which = hash(uvec3(vertex_key[0], vertex_key[1], vertex_key[2])).x;
-    uvec3 random = hash(uvec3(choice.x, which, 0u));
+    uvec3 random = hash(uvec3(choice.x, which, cloud_seed));
     seed = random.x;
     offset = float(random.y >> 8) / 16777216.0;
 }

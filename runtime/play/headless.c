@@ -78,7 +78,10 @@ static al_status draw(session *s, al_error *error)
     al_settings settings = s->options->settings;
     settings.progress = on_tile;
     settings.progress_user = s;
-    if (s->options->accumulate) al_jitter(s->frame, offset);
+    if (s->options->accumulate) {
+        al_jitter(s->frame, offset);
+        settings.surfel_seed = s->frame;
+    }
     al_view view = al_eye_view(&s->eye, &s->bounds, offset, s->target.width, s->target.height);
     al_status status = al_runtime_draw(s->runtime, &view, &settings, s->target.framebuffer, 0, error);
     glFinish();
