@@ -241,7 +241,8 @@ void al_motion_place(struct al_scene *scene, const double (*world)[16])
         else if (b->kind == AL_MOTION_CAMERA)
             place_camera(&scene->cameras[b->index], m);
         else if (is_finite(matrix, 16))
-            memcpy(scene->instances[b->index].world, matrix, sizeof matrix);
+            memcpy(b->kind == AL_MOTION_FOG ? scene->fogs[b->index].moved : scene->instances[b->index].world, matrix,
+                   sizeof matrix);
     }
 }
 

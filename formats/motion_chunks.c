@@ -87,8 +87,8 @@ static void check_nodes(const al_motion *m, al_report *report)
 static void check_bindings(const al_scene *scene, al_report *report)
 {
     const al_motion *m = &scene->motion;
-    const uint32_t counts[] = {scene->instance_count, scene->light_count, scene->camera_count};
-    static const char *const names[] = {"instance", "light", "camera"};
+    const uint32_t counts[] = {scene->instance_count, scene->light_count, scene->camera_count, scene->fog_count};
+    static const char *const names[] = {"instance", "light", "camera", "fog"};
     for (uint32_t i = 0; i < m->binding_count; i++) {
         const al_motion_binding *b = &m->bindings[i], *before = i ? b - 1 : NULL;
         check_index(b->index, counts[b->kind], "binding", i, names[b->kind], report);

@@ -189,7 +189,7 @@ static const al_field channel_fields[] = {
 };
 
 static const al_field binding_fields[] = {
-    U32(al_motion_binding, kind, AL_MOTION_INSTANCE, AL_MOTION_CAMERA),
+    U32(al_motion_binding, kind, AL_MOTION_INSTANCE, AL_MOTION_FOG),
     INDEX(al_motion_binding, index),
     INDEX(al_motion_binding, node),
     FREE(al_motion_binding, local, 16),
@@ -699,6 +699,8 @@ static void read_scene(const al_file *file, al_scene *scene, al_report *report)
     scene->lights = read_records(&r, &light_record, scene->light_count);
     scene->cameras = read_records(&r, &camera_record, scene->camera_count);
     scene->fogs = read_optional_records(&r, &fog_record, &scene->fog_count);
+    for (uint32_t i = 0; i < scene->fog_count; i++)
+        for (int k = 0; k < 16; k++) scene->fogs[i].moved[k] = k % 5 == 0;
     read_baked(&r);
     read_environment(&r);
     if (!good || !scene->instances || !scene->media || !scene->translucents || !scene->lights ||

@@ -215,7 +215,7 @@ typedef struct density_fields {
     char *type, *file, *grid;
     double scale, unit_m, bounds_min_m[3], bounds_max_m[3], axis[3], period_m, thickness_m, offset_m, low,
         high, first_frame, frame_count, frames_per_second;
-    node transform;
+    node transform, motion;
 } density_fields;
 
 typedef struct translucent_fields {
@@ -388,6 +388,7 @@ static const al_scene_key keys[] = {
     INTEGER(density, frame_count, 1, 100000),
     NUMBER(density, frames_per_second, 0.001, 1000000),
     OBJECT(density, transform, "transform"),
+    LIST(density, motion, "key"),
     VECTOR(density, bounds_min_m, false),
     VECTOR(density, bounds_max_m, false),
     VECTOR(density, axis, false),
@@ -1008,6 +1009,23 @@ static al_status read_sequence(const node *place, const density_fields *f, al_sc
     return out->file ? AL_OK : out_of_memory(place->from, error);
 }
 
+/* Coefficients are per metre and bounds lie along the world's axes: only grids that end where they end can turn, and
+ * nothing grows. */
+static al_status check_density_motion(const node *place, const al_density_description *density, al_error *error)
+{
+    bool may_turn = density->type == AL_DENSITY_GRID && !density->has_bounds;
+    for (uint32_t i = 0; i < density->motion.count; i++)
+        for (int k = 0; k < 3; k++) {
+            const al_motion_key_description *key = &density->motion.keys[i];
+            if (key->scale[k] != 1) return fail_at(place, error, "its motion changes its scale; a density only turns and moves");
+            if (key->rotate_degrees[k] != 0 && !may_turn)
+                return fail_at(place, error, "its motion turns it; only a grid without bounds of its own turns, others move");
+        }
+    if (density->motion.count && !may_turn && !density->has_bounds)
+        return fail_at(place, error, "has no end and cannot move; give it bounds");
+    return AL_OK;
+}
+
 static al_status read_density(const node *place, al_scene_description *all, al_density_description *out,
                               al_error *error)
 {
@@ -1027,19 +1045,21 @@ static al_status read_density(const node *place, al_scene_description *all, al_d
     if (strcmp(f.type, "grid") == 0) {
         out->type = AL_DENSITY_GRID;
         status = allow_only(place, "type|scale|file|grid|first_frame|frame_count|frames_per_second|unit_m|transform|"
-                            "bounds_min_m|bounds_max_m", f.type, error);
+                            "motion|bounds_min_m|bounds_max_m", f.type, error);
         if (!status) status = read_grid(place, &f, out, error);
         if (!status) status = read_sequence(place, &f, all, out, error);
     } else if (strcmp(f.type, "layers") == 0) {
         out->type = AL_DENSITY_LAYERS;
         status = allow_only(
-            place, "type|scale|axis|period_m|thickness_m|offset_m|low|high|bounds_min_m|bounds_max_m", f.type,
+            place, "type|scale|axis|period_m|thickness_m|offset_m|low|high|motion|bounds_min_m|bounds_max_m", f.type,
             error);
         if (!status) status = read_layers(place, &f, out, error);
     } else {
-        status = allow_only(place, "type|scale|bounds_min_m|bounds_max_m", f.type, error);
+        status = allow_only(place, "type|scale|motion|bounds_min_m|bounds_max_m", f.type, error);
     }
-    return status ? status : read_bounds(place, &f, out, error);
+    if (!status) status = read_bounds(place, &f, out, error);
+    if (!status) status = read_motion(&f.motion, all, &out->motion, error);
+    return status ? status : check_density_motion(place, out, error);
 }
 
 /* Either sigma_s and sigma_a (which may come from a file's KHR_materials_volume), or as artists say it:
@@ -1363,9 +1383,13 @@ static al_status check_translucents(const node *list, al_scene_description *out,
         for (uint32_t i = 0; i < object->blocker_count && !status; i++)
             status = take_mesh(&place, out, object->blockers[i], uses, error);
         if (!status) status = check_motion(&place, out, object, error);
-        if (!status && find_medium(out, object->medium) == AL_NO_INDEX)
+        uint32_t medium = find_medium(out, object->medium);
+        if (!status && medium == AL_NO_INDEX)
             status =
                 fail_at(&place, error, "no medium is named \"%s\"; name one of \"media\"", object->medium);
+        if (!status && out->media[medium].density.motion.count)
+            status = fail_at(&place, error, "the density of \"%s\" has a motion; a translucent object moves with its "
+                             "boundary, by the motion of mesh \"%s\"", object->medium, object->mesh);
         if (status) return status;
     }
     return AL_OK;

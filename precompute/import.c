@@ -329,10 +329,10 @@ static al_status fill_scene(al_import *import, al_error *error)
     if (!status) status = copy_cameras(import, error);
     if (!status) status = copy_media(import, error);
     if (!status) status = import_meshes(import, error);
-    if (!status) status = al_motion_bind_described(import, error);
-    if (!status) status = al_motion_finish(import, error);
     if (!status) status = open_densities(import, error);
     if (!status) status = copy_fogs(import, error);
+    if (!status) status = al_motion_bind_described(import, error);
+    if (!status) status = al_motion_finish(import, error);
     if (!status) status = al_environment_import(import, error);
     if (!status) status = finish_cameras(import, error);
     return status ? status : check_result(import, error);

@@ -174,6 +174,20 @@ al_status al_motion_bind_described(al_import *import, al_error *error)
         if (d->camera_motions[i].count)
             status = bind_described(import, AL_MOTION_CAMERA, i, c->name, &d->camera_motions[i], frame, error);
     }
+    for (uint32_t i = 0; i < import->scene.fog_count && !status; i++) {
+        const al_fog *f = &import->scene.fogs[i];
+        const al_motion_description *motion = &d->media[f->medium].density.motion;
+        double pivot[3];
+        uint32_t node;
+        if (!motion->count) continue;
+        for (int k = 0; k < 16; k++) frame[k] = k % 5 == 0;
+        for (int k = 0; k < 3; k++) {
+            pivot[k] = 0.5 * ((double)f->bounds_min_m[k] + f->bounds_max_m[k]);
+            frame[12 + k] = -pivot[k];
+        }
+        status = al_motion_add_keys(import, d->media[f->medium].name, motion, pivot, &node, error);
+        if (!status) status = al_motion_bind(import, AL_MOTION_FOG, i, node, frame, error);
+    }
     return status;
 }
 

@@ -16,7 +16,7 @@ al_status al_motion_bind(al_import *import, al_motion_kind kind, uint32_t index,
 al_status al_motion_add_keys(al_import *import, const char *name, const al_motion_description *motion,
                              const double pivot[3], uint32_t *node, al_error *error);
 
-/* Lights and cameras of the scene file that have keys. */
+/* Lights, cameras and fogs of the scene file that have keys; fogs turn about the middle of their bounds. */
 al_status al_motion_bind_described(al_import *import, al_error *error);
 
 /* Brings channels and bindings into their order, puts everything where it is at time 0, lets go of deforms that

@@ -227,6 +227,7 @@ void al_fog_prepare(al_draw *draw)
         else
             continue;
         if (complete) al_fog_sky_fill(runtime, medium, &block->fogs[count]);
+        al_fog_move(fog, &block->fogs[count]);
         count++;
     }
     fogs->drawn = count > 0;

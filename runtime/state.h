@@ -348,6 +348,9 @@ al_status al_fog_accept(al_runtime *runtime, const al_arrival *arrival, uint64_t
                         al_error *error);
 void al_fog_fail(al_runtime *runtime, uint32_t index);
 void al_fog_free(al_runtime *runtime);
+/* fog_motion.c: the entry of a fog that has been moved */
+void al_fog_move(const al_fog *fog, al_fog_entry *entry);
+
 /* fog_frames.c */
 uint32_t al_fog_slot_count(const al_medium_info *info);
 /* A frame comes into the slot `incoming`: what it is, then its bricks. */

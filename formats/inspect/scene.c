@@ -85,11 +85,11 @@ static json_t *lighting_counts(const al_scene *scene)
 static json_t *motion_counts(const al_scene *scene)
 {
     const al_motion *m = &scene->motion;
-    int bound[3] = {0};
+    int bound[4] = {0};
     for (uint32_t i = 0; i < m->binding_count; i++) bound[m->bindings[i].kind]++;
-    return json_pack("{s:o,s:i,s:i,s:i,s:i,s:i,s:i}", "duration_s", json_number(al_motion_length_s(m)), "nodes",
+    return json_pack("{s:o,s:i,s:i,s:i,s:i,s:i,s:i,s:i}", "duration_s", json_number(al_motion_length_s(m)), "nodes",
                      (int)m->node_count, "channels", (int)m->channel_count, "instances", bound[AL_MOTION_INSTANCE],
-                     "lights", bound[AL_MOTION_LIGHT], "cameras", bound[AL_MOTION_CAMERA], "deformed",
+                     "lights", bound[AL_MOTION_LIGHT], "cameras", bound[AL_MOTION_CAMERA], "fogs", bound[AL_MOTION_FOG], "deformed",
                      (int)m->deform_count);
 }
 

@@ -159,8 +159,8 @@ void golden_fill_scene(al_scene *scene)
 }
 
 static al_fog fogs[] = {
-    {0, false, {0, 0, 0}, {0, 0, 0}, 0.5f, ""},
-    {0, true, {-2, -1, -0.5f}, {2, 1, 0.5f}, 0, "smoke.medium.air"},
+    {0, false, {0, 0, 0}, {0, 0, 0}, 0.5f, "", {0}},
+    {0, true, {-2, -1, -0.5f}, {2, 1, 0.5f}, 0, "smoke.medium.air", {0}},
 };
 
 void golden_fill_lit_scene(al_scene *scene)

@@ -415,6 +415,29 @@ static void test_keys(void)
            "its boundary \"a\" changes its scale");
 }
 
+/* A fog moves from where it lies; what cannot is refused. */
+static void test_fog(void)
+{
+#define FOG(density) "{\"media\": [{\"name\": \"f\", \"sigma_a_per_m\": 1, \"density\": {" density "}}], \"fogs\": [\"f\"]}"
+#define BOX "\"type\": \"constant\", \"bounds_min_m\": [1, 0, 0], \"bounds_max_m\": [3, 1, 1]"
+    al_import *import = read_scene(FOG(BOX ", \"motion\": [{\"time_s\": 0}, {\"time_s\": 2, \"translate_m\": [0, 4, 0]}]"));
+    al_scene *scene = &import->scene;
+    CHECK(scene->motion.binding_count == 1 && scene->motion.bindings[0].kind == AL_MOTION_FOG);
+    CHECK(scene->fogs[0].bounds_min_m[1] == 0);
+    show(import, 0);
+    for (int i = 0; i < 16; i++) CHECK_NEAR(scene->fogs[0].moved[i], i % 5 == 0, rounded);
+    show(import, 0.5);
+    CHECK_NEAR(scene->fogs[0].moved[13], 1, rounded);
+    CHECK_NEAR(scene->fogs[0].moved[12], 0, rounded);
+    al_import_free(import);
+    refuse(FOG("\"type\": \"constant\", \"motion\": [{\"time_s\": 0}]"), "has no end and cannot move");
+    refuse(FOG(BOX ", \"motion\": [{\"time_s\": 0, \"rotate_degrees\": [0, 9, 0]}]"), "only a grid without bounds of its own turns");
+    refuse(FOG(BOX ", \"motion\": [{\"time_s\": 0, \"scale\": 2}]"), "a density only turns and moves");
+    refuse("{\"meshes\": [{\"name\": \"b\", \"shape\": {\"type\": \"box\"}}], \"media\": [{\"name\": \"f\", \"sigma_s_per_m\": 1, "
+           "\"density\": {" BOX ", \"motion\": [{\"time_s\": 0}]}}], \"translucents\": [{\"mesh\": \"b\", \"medium\": \"f\"}]}",
+           "moves with its boundary, by the motion of mesh \"b\"");
+}
+
 /* A keyed mesh from a file whose nodes move as well: one inside the other. */
 static void test_both(void)
 {
@@ -438,5 +461,6 @@ int main(void)
     test_morph();
     test_keys();
     test_both();
+    test_fog();
     return test_end();
 }

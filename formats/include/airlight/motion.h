@@ -53,11 +53,12 @@ typedef struct al_motion_channel { /* ordered by node, then path; no two of the 
 typedef enum al_motion_kind {
     AL_MOTION_INSTANCE = 0,
     AL_MOTION_LIGHT = 1,
-    AL_MOTION_CAMERA = 2
+    AL_MOTION_CAMERA = 2,
+    AL_MOTION_FOG = 3 /* al_fog.moved is world(node) local */
 } al_motion_kind;
 
 typedef struct al_motion_binding { /* ordered by kind, then index; no two of the same */
-    uint32_t kind, index; /* of the scene's instances, lights or cameras */
+    uint32_t kind, index; /* of the scene's instances, lights, cameras or fogs */
     uint32_t node;
     float local[16]; /* its own space to the node's; column-major, affine */
 } al_motion_binding;
@@ -102,7 +103,7 @@ void al_motion_channel_at(const al_motion_channel *channel, double time_s, doubl
 uint32_t al_motion_width(const al_motion *motion);
 /* World matrices of all nodes, column-major: world[node_count]; scratch[al_motion_width]. */
 void al_motion_nodes_at(const al_motion *motion, double time_s, double *scratch, double (*world)[16]);
-/* Puts the instances, lights and cameras that hang on nodes where the nodes are; cameras keep the distance to
+/* Puts the instances, lights, cameras and fogs that hang on nodes where the nodes are; cameras keep the distance to
  * what they look at. What would not be finite stays as it was. */
 void al_motion_place(struct al_scene *scene, const double (*world)[16]);
 /* Weights of the morph targets, [target_count]. */

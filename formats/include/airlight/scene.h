@@ -83,6 +83,7 @@ typedef struct al_fog { /* a medium that fills the air between the surfaces */
     float bounds_min_m[3], bounds_max_m[3]; /* world axes; outside there is nothing */
     float density; /* of a constant medium (asset ""): multiplies the medium's coefficients */
     char *asset;   /* file name of its `medium` asset beside scene.air; "" for a constant density */
+    float moved[16]; /* from there to where it is; the identity as read, but for what moves. Not stored */
 } al_fog;
 
 typedef struct al_baked_light { /* file names beside scene.air, "" where there is none */

@@ -71,6 +71,7 @@ typedef struct al_density_description {
     bool has_bounds;
     double bounds_min_m[3], bounds_max_m[3]; /* of the medium; default: the grid's active box */
     double axis[3], period_m, thickness_m, offset_m; /* layers along a unit axis: `high` where */
+    al_motion_description motion; /* of the whole fog; only turns and moves */
     double low, high;   /* fract((x.axis - offset)/period) * period < thickness, else `low` */
 } al_density_description;
 

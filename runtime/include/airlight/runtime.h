@@ -48,7 +48,7 @@ typedef struct al_load_state {
  * of a density grid. A failed asset: its error, once. */
 al_status al_runtime_update(al_runtime *runtime, uint64_t byte_budget, al_load_state *state, al_error *error);
 
-/* The loaded scene; lights, instances' world matrices and play settings may be changed between frames.
+/* The loaded scene; lights, instances' world matrices, fogs' `moved` and play settings may be changed between frames.
  * NULL before a load. Valid until the next load. */
 al_scene *al_runtime_scene(al_runtime *runtime);
 
