@@ -121,6 +121,12 @@ static bool clip_to_tile(const al_draw *draw, const al_object *object, int32_t a
     return true;
 }
 
+static bool shows_surface_scattering(const al_draw *draw)
+{
+    return draw->needs_map &&
+           (draw->settings.pass == AL_PASS_COMPOSITE || draw->settings.pass == AL_PASS_SURFACE_SCATTERING);
+}
+
 static al_status draw_object(al_draw *draw, uint32_t index)
 {
     al_object *object = &draw->runtime->objects[index];
@@ -132,6 +138,7 @@ static al_status draw_object(al_draw *draw, uint32_t index)
     al_status status = al_boundary_draw(draw, object, index);
     if (!status && draw->settings.view_leg == AL_VIEW_LEG_SH) status = al_back_draw(draw, index);
     if (!status) status = al_fog_draw_front(draw);
+    if (!status && shows_surface_scattering(draw)) status = al_shells_gather_front(draw);
     if (!status) status = al_intervals_run(draw, object, area);
     if (!status) status = al_splat_draw(draw, object);
     if (!status) status = al_object_join(draw);

@@ -59,19 +59,21 @@ static al_status blur(al_draw *draw)
     return AL_OK;
 }
 
-static al_status sum(al_draw *draw)
+static al_status sum(al_draw *draw, const char *defines, GLuint framebuffer)
 {
     al_runtime *runtime = draw->runtime;
     GLuint program;
     al_status status =
-        al_shaders_get(runtime->shaders, "fullscreen.vert gather.frag", "", &program, draw->error);
+        al_shaders_get(runtime->shaders, "fullscreen.vert gather.frag", defines, &program, draw->error);
     if (status) return status;
     al_timing_begin(&runtime->timing, AL_STAGE_GATHER);
-    glBindFramebuffer(GL_FRAMEBUFFER, runtime->targets.radiance_framebuffer);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     glViewport(0, 0, draw->tile[2], draw->tile[3]);
     glUseProgram(program);
+    al_gl_bind_texture(AL_UNIT_PASS, runtime->shells.steps.id);
     al_gl_bind_texture(AL_UNIT_PASS + 1, runtime->shells.ends.id);
     al_gl_bind_texture(AL_UNIT_PASS + 3, runtime->shells.light.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 4, runtime->targets.boundary.id);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
     glBindVertexArray(runtime->empty_vertex_array);
@@ -87,5 +89,13 @@ al_status al_shells_gather(al_draw *draw)
     const al_shell_block *block = &draw->runtime->shells.block;
     al_status status = draw->settings.visibility ? AL_OK : unshuffle(draw);
     if (!status && block->blur[0] > 0) status = blur(draw);
-    return status ? status : sum(draw);
+    return status ? status : sum(draw, "", draw->runtime->targets.radiance_framebuffer);
+}
+
+al_status al_shells_gather_front(al_draw *draw)
+{
+    static const float nothing[4] = {0};
+    if (draw->settings.pass == AL_PASS_SURFACE_SCATTERING) /* else it holds the fog's own light */
+        glClearNamedFramebufferfv(draw->runtime->targets.fog_framebuffer, GL_COLOR, 0, nothing);
+    return sum(draw, "#define AL_FRONT\n", draw->runtime->targets.fog_framebuffer);
 }

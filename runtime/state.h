@@ -382,6 +382,7 @@ al_status al_legs_run(al_draw *draw); /* legs.c */
 void al_legs_free(al_runtime *runtime);
 al_status al_span_run(al_draw *draw); /* shell.c: by which splats are left out */
 al_status al_shells_fit_light(al_draw *draw, uint32_t layers); /* gather.c: what is blurred and summed */
+al_status al_shells_gather_front(al_draw *draw); /* gather.c: what of it comes from before an object, to its fog's light */
 al_status al_shells_inspect(al_draw *draw); /* composite.c */
 al_status al_shells_gather(al_draw *draw); /* gather.c: the levels' sum over what the tile holds */
 

@@ -1,6 +1,4 @@
 /* The light that surfels send, and the cloud as a picture. */
-#include <stdio.h>
-
 #include "state.h"
 
 enum { GROUP = 128 };
@@ -11,12 +9,8 @@ al_status al_surfels_light(al_draw *draw)
 {
     al_runtime *runtime = draw->runtime;
     GLuint program;
-    char defines[64];
-    /* Mesa's llvmpipe (22.3) reads nothing from a compute shader's other textures where an array of them that the shader
-     * may index is not bound. */
-    snprintf(defines, sizeof defines, "%s%s", al_fog_define(draw),
-             draw->block.counts[1] ? "" : "#define AL_NO_CASTERS\n");
-    al_status status = al_shaders_get(runtime->shaders, "surfel_light.comp", defines, &program, draw->error);
+    al_status status =
+        al_shaders_get(runtime->shaders, "surfel_light.comp", al_fog_define(draw), &program, draw->error);
     if (status) return status;
     al_timing_begin(&runtime->timing, AL_STAGE_SURFEL_LIGHT);
     glUseProgram(program);

@@ -1,10 +1,31 @@
 #version 450 core
 // The sum of the levels, each from its own mip: light that surfaces send into the medium and the medium to the eye.
+// AL_FRONT: the share of it that comes from before the boundary of a translucent object, taken to be that of the
+// samples there.
 #extension GL_GOOGLE_include_directive : enable
 #include "interval_map.glsl"
 
 layout(binding = 5) uniform sampler2DArray levels;
 layout(location = 0) out vec4 light;
+#ifdef AL_FRONT
+layout(binding = 6) uniform sampler2D boundary; // w distance, negative: the eye is inside, 0 none
+layout(location = 1) out vec4 kept;             // stays as it is
+
+float share_before(ivec2 pixel, float distance_m)
+{
+    vec4 ends = texelFetch(interval_ends, pixel, 0);
+    uvec4 words;
+    float t = ends.x;
+    for (int k = 0; k < shell_counts.y; k++) {
+        if ((k & 15) == 0) words = texelFetch(interval_steps, ivec3(pixel, k >> 4), 0);
+        float step = interval_byte(words, k) * ends.y;
+        if (t + step > distance_m)
+            return (float(k) + clamp((distance_m - t) / max(step, 1e-30), 0.0, 1.0)) / float(shell_counts.y);
+        t += step;
+    }
+    return 1.0;
+}
+#endif
 
 // A mip as a quadratic B-spline through its texels: nine weighted as the pixel lies among them, no seams in the slope.
 vec4 smooth_texel(int level, int mip, vec2 pixel)
@@ -27,6 +48,9 @@ void main()
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     float depletion = texelFetch(interval_ends, pixel, 0).z;
     light = vec4(0.0);
+#ifdef AL_FRONT
+    kept = vec4(0.0);
+#endif
     if (depletion <= 0.0) return;
     for (int level = 0; level < textureSize(levels, 0).z; level++) {
         int mip = shell_blur.x < 0 ? 0 : level + shell_blur.x;
@@ -34,4 +58,7 @@ void main()
         light.rgb += texel.rgb / max(texel.a, 1e-30);
     }
     if (shell_blur.y != 0) light.rgb *= depletion;
+#ifdef AL_FRONT
+    light.rgb *= share_before(pixel, max(texelFetch(boundary, pixel, 0).w, 0.0));
+#endif
 }

@@ -76,13 +76,11 @@ void main()
             added.rgb = vec3(end.x, texelFetch(knots, ivec3(place, 0), 0).xy);
         break;
     case 7: // direct scattering
+    case 8: // surface scattering
         kept.rgb *= 1.0 - mirrored.a;
 #ifdef AL_FOG
         added.rgb = (1.0 - kept.rgb) * imageLoad(fog_light, place).rgb;
 #endif
-        break;
-    case 8: // surface scattering
-        kept.rgb *= 1.0 - mirrored.a;
         break;
     default: // unity
         kept = vec4(end.x < end.y ? 0.0 : 1.0);

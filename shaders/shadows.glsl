@@ -7,9 +7,7 @@
 #include "box.glsl"
 
 layout(binding = 0) uniform sampler2DArrayShadow shadow_maps;
-#ifndef AL_NO_CASTERS
 layout(binding = 8) uniform sampler3D caster_density[AL_CASTER_LIMIT];
-#endif
 
 // Share of light `index` that passes the opaque casters on its way to `position`. `normal` is the receiver's,
 // or 0 for a point in a medium. The receiver is moved towards the light and along its normal by the size of
@@ -39,12 +37,6 @@ float opaque_visibility(int index, vec3 position, vec3 normal)
     return texture(shadow_maps, vec4(place, layer, min(length(path) / light.shadow.y, 1.0)));
 }
 
-#ifdef AL_NO_CASTERS
-vec3 translucent_visibility(vec3 position, vec3 direction, float reach, int skip)
-{
-    return vec3(1.0);
-}
-#else
 // The integral of the texture's density along the ray from `origin` over `reach`, in metres (object space is
 // a rigid motion away); 1e30 where a blocker is met. Midpoint rule, one step per voxel, at most 64.
 float caster_depth(int index, vec3 origin, vec3 direction, float reach)
@@ -78,6 +70,5 @@ vec3 translucent_visibility(vec3 position, vec3 direction, float reach, int skip
     }
     return transmittance;
 }
-#endif
 
 #endif

@@ -409,6 +409,54 @@ static void check_chromatic(void)
     }
 }
 
+/* --- what stands in it --- */
+
+/* A sphere of no light of its own in the fog: opaque, it leaves the share of the samples before it; clear, everything. */
+static void check_object(void)
+{
+    static const float extinctions[] = {1e-6f, 1e4f};
+    for (int i = 0; i < 2; i++) {
+        al_runtime *runtime = NULL;
+        al_error error = {0};
+        sphere_scene s;
+        al_fog fog = {.bounded = true, .bounds_min_m = {-1, -1, -1}, .bounds_max_m = {1, 1, 1}, .density = 1, .asset = ""};
+        sphere_scene_begin(&s);
+        for (int k = 0; k < 3; k++) s.medium.sigma_s_per_m[k] = 0.7f;
+        s.scene.fogs = &fog;
+        s.scene.fog_count = 1;
+        s.scene.baked = (al_baked_light){"", ""};
+        sphere_scene_add_floor(&s, 2, (float[3]){0, -0.8f, 0});
+        sphere_scene_add_light(&s, AL_LIGHT_POINT, (float[3]){0, 0.9f, 0}, 1);
+        CHECK(sphere_write_asset(folder, "sphere.air",
+                                 &(sphere_options){.radius = 0.4f, .samples = 100, .grid = 24, .sigma_t = {extinctions[i]}}));
+        sphere_scene_add(&s, "sphere.air", 0.4f, (float[3]){0, 0, 0});
+        CHECK(sphere_scene_write(folder, &s));
+        CHECK(al_runtime_create(NULL, &runtime, &error) == AL_OK && stage_load(runtime, folder));
+        sphere_scene_end(&s);
+        al_settings settings = {.pass = AL_PASS_SURFACE_SCATTERING, .interval_jitter_off = true, .blur_off = true,
+                                .shell_radius_m = 4, .shadows_off = true};
+        al_view view = stage_look(MAP_EDGE, MAP_EDGE, (float[3]){0, 0, 3}, (float[3]){0, 0, 0}, 0.01f);
+        float *with = stage_draw(runtime, &view, &settings, 0);
+        interval_map map = read_map(runtime);
+        size_t middle = MAP_EDGE / 2 * MAP_EDGE + MAP_EDGE / 2;
+        double before = map.ends[4 * middle], share = 0;
+        for (int k = 0; k < SAMPLES; k++) {
+            double t = map.samples[middle * SAMPLES + k];
+            share += fmin(fmax((2.6 - before) / (t - before), 0), 1) / SAMPLES;
+            before = t;
+        }
+        al_runtime_scene(runtime)->instances[1].world[12] = 100; /* the sphere, out of view */
+        float *without = stage_draw(runtime, &view, &settings, 0);
+        printf("object: %.4f of the light stays, its front has %.4f\n", (double)with[3 * middle] / without[3 * middle], share);
+        CHECK_NEAR(with[3 * middle] / without[3 * middle], i ? share : 1, 2e-3);
+        CHECK(share > 0.2 && share < 0.9);
+        free(with);
+        free(without);
+        free_map(&map);
+        al_runtime_destroy(runtime);
+    }
+}
+
 int main(void)
 {
     if (!stage_open()) return test_skip("no OpenGL 4.5 context");
@@ -417,6 +465,7 @@ int main(void)
     if (!folder) return test_end();
     check_oracle();
     check_gap();
+    check_object();
     check_epsilon();
     check_weights();
     check_chromatic();
