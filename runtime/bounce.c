@@ -103,7 +103,7 @@ static al_status splat(al_draw *draw)
     al_gl_bind_texture(AL_UNIT_PASS, bounce->rays.id);
     al_gl_bind_texture(AL_UNIT_PASS + 3, runtime->shells.span.id);
     glEnable(GL_DEPTH_TEST);
-    al_surfels_draw_points(draw, 1);
+    al_surfels_draw_points(draw);
     glDisable(GL_DEPTH_TEST);
     al_timing_end(&runtime->timing);
     return AL_OK;

@@ -73,7 +73,7 @@ al_status al_shells_draw(al_draw *draw)
     al_gl_bind_texture(AL_UNIT_PASS + 4, runtime->legs.extinction.id);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
-    al_surfels_draw_points(draw, 1);
+    al_surfels_draw_points(draw);
     glDisable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ZERO);
     al_timing_end(&runtime->timing);

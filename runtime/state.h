@@ -420,9 +420,9 @@ al_status al_surfels_run(al_draw *draw);
 void al_surfels_free(al_runtime *runtime);
 uint64_t al_surfels_bytes(const al_runtime *runtime);
 uint64_t al_surfels_count(const al_runtime *runtime); /* of the last frame that has come back */
-/* Draws `instances` points per surfel, gl_VertexID being its number, with the program, vertex array and state that are
- * bound; surfels and their count are bound as shaders/surfels.glsl says. */
-void al_surfels_draw_points(const al_draw *draw, GLsizei instances);
+/* Draws a point per surfel, gl_VertexID being its number, with the program, vertex array and state that are bound; surfels
+ * and their count are bound as shaders/surfels.glsl says. */
+void al_surfels_draw_points(const al_draw *draw);
 al_status al_surfels_light(al_draw *draw); /* surfel_light.c */
 al_status al_surfels_show(al_draw *draw);  /* surfel_light.c: AL_PASS_SURFELS into one tile */
 /* surfel_count.c: expected number of surfels of the scene's opaque instances */

@@ -133,8 +133,8 @@ static al_status start(al_draw *draw)
     coarsen(draw, expected);
     expected *= before / s->coarseness;
     if (!s->count.id) {
-        al_status status =
-            al_gl_buffer_create(&draw->runtime->memory, sizeof(uint32_t), NULL, &s->count, draw->error);
+        static const GLuint points[4] = {0, 1, 0, 0}; /* of which the capture fills in the first: an indirect draw */
+        al_status status = al_gl_buffer_create(&draw->runtime->memory, sizeof points, points, &s->count, draw->error);
         if (status) return status;
         make_queries(s);
     }
@@ -401,10 +401,13 @@ al_status al_surfels_run(al_draw *draw)
     return al_surfels_light(draw);
 }
 
-void al_surfels_draw_points(const al_draw *draw, GLsizei instances)
+/* glDrawTransformFeedbackStream would do, but llvmpipe of Mesa 22.3 divides what was captured by the stride of whatever
+ * vertex buffer was bound last, and draws surfels of an earlier frame too. */
+void al_surfels_draw_points(const al_draw *draw)
 {
-    glDrawTransformFeedbackStreamInstanced(GL_POINTS, draw->runtime->surfels.cloud_feedback, SURFELS,
-                                           instances);
+    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, draw->runtime->surfels.count.id);
+    glDrawArraysIndirect(GL_POINTS, NULL);
+    glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
 }
 
 uint64_t al_surfels_count(const al_runtime *runtime)

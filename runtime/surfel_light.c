@@ -38,7 +38,7 @@ al_status al_surfels_show(al_draw *draw)
     glEnable(GL_DEPTH_TEST);
     glUseProgram(program);
     glBindVertexArray(runtime->empty_vertex_array);
-    al_surfels_draw_points(draw, 1);
+    al_surfels_draw_points(draw);
     glDisable(GL_DEPTH_TEST);
     return AL_OK;
 }

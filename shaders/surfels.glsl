@@ -16,6 +16,6 @@ struct Surfel {
 };
 
 layout(std430, binding = 6) AL_SURFELS_ACCESS buffer Surfels { Surfel surfels[]; };
-layout(std430, binding = 7) readonly buffer SurfelCount { uint surfel_count; };
+layout(std430, binding = 7) readonly buffer SurfelCount { uint surfel_count; }; // the head of an indirect draw
 
 #endif
