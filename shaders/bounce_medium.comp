@@ -7,6 +7,7 @@
 #extension GL_GOOGLE_include_directive : enable
 #include "formulas.glsl"
 #include "frame.glsl"
+#include "fogs.glsl"
 #include "interval_map.glsl"
 #include "bounce.glsl"
 
@@ -47,7 +48,7 @@ void main()
     }
     float g = shell_medium.w;
 #ifdef AL_WEIGHTS
-    g = texelFetch(interval_weights, ivec3(pixel, drawn), 0).a * 2.0 - 1.0;
+    g = fogs[int(texelFetch(interval_weights, ivec3(pixel, drawn), 0).a * 255.0 + 0.5)].sigma_t.w;
 #endif
     vec3 origin, direction;
     view_ray(view_pixel(vec2(pixel) + 0.5), origin, direction);

@@ -33,18 +33,16 @@ const int most_samples = 32;
 
 struct Cell {
     float start, size;
-    vec3 depth;  // optical, extinction
-    vec4 source; // rgb: likewise, scattering; a: the red, green and blue of it times g, summed
+    vec3 depth, source; // optical, of extinction and of scattering
 };
 
 Cell cell_at(vec3 origin, vec3 direction, float a, float b)
 {
-    Cell c = Cell(a, b - a, vec3(0.0), vec4(0.0));
+    Cell c = Cell(a, b - a, vec3(0.0), vec3(0.0));
     for (int i = 0; i < fog_counts.x; i++) {
         float share = fog_depth(i, origin, direction, a, b, 8.0);
         c.depth += fogs[i].sigma_t.rgb * share;
-        vec3 source = fogs[i].sigma_s.rgb * share;
-        c.source += vec4(source, dot(source, vec3(1.0)) * fogs[i].sigma_t.w);
+        c.source += fogs[i].sigma_s.rgb * share;
     }
     return c;
 }
@@ -58,9 +56,10 @@ float depletion(vec3 tau)
 // increasing function from the left without leaving it; it starts where the first channel alone has got there.
 float share_of(float wanted, vec3 tau, vec3 depth, float from)
 {
-    vec3 left = (vec3(-log(max(1.0 - wanted, 1e-9))) - tau) / max(depth, vec3(1e-30));
+    float alone = wanted < 1e-3 ? wanted * (1.0 + 0.5 * wanted) : -log(max(1.0 - wanted, 1e-9));
+    vec3 left = (vec3(alone) - tau) / max(depth, vec3(1e-30));
     float f = clamp(min(min(left.r, left.g), left.b) * 0.999, from, 1.0);
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < 64; i++) { // about one for each optical depth of a channel that is gone before the others begin
         vec3 slope = depth * exp(-(tau + f * depth));
         float missing = wanted - depletion(tau + f * depth);
         if (!(missing > 1e-7 * wanted)) break;
@@ -70,13 +69,24 @@ float share_of(float wanted, vec3 tau, vec3 depth, float from)
 }
 
 #if defined(AL_WEIGHTS)
-void store_weight(ivec2 place, int k, Cell c, vec3 tau, uint bits)
+// One of several media is drawn by its share of what the cell scatters, and stands for all of them: each has a phase
+// function of its own. What it stands for is at most what the cell takes, so that a weight is at most 3.
+void store_weight(ivec2 place, int k, vec3 origin, vec3 direction, Cell c, vec3 tau, uint bits)
 {
-    vec3 left = exp(-(tau - min(min(tau.r, tau.g), tau.b)));
-    vec3 weight = c.source.rgb * left / max(dot(c.depth * left, vec3(1.0)), 1e-30);
-    float g = c.source.a / max(dot(c.source.rgb, vec3(1.0)), 1e-30);
-    vec4 dither = (vec4(bits & 255u, bits >> 8 & 255u, bits >> 16 & 255u, 128.0) - 127.5) / 256.0 / 255.0;
-    imageStore(weights, ivec3(place, k), vec4(weight, g * 0.5 + 0.5) + dither);
+    vec3 left = exp(-(tau - min(min(tau.r, tau.g), tau.b))), source = c.source;
+    float all = dot(source, left), share = all * unit_float(mix_bits(bits));
+    int drawn = 0;
+    for (int i = 0; i < fog_counts.x && fog_counts.x > 1 && share >= 0.0; i++) {
+        vec3 own = fogs[i].sigma_s.rgb * fog_depth(i, origin, direction, c.start, c.start + c.size, 8.0);
+        float part = dot(own, left);
+        if (!(part > 0.0)) continue;
+        drawn = i;
+        source = own * (all / part);
+        share -= part;
+    }
+    vec3 weight = source * left / max(dot(c.depth * left, vec3(1.0)), 1e-30);
+    vec3 dither = (vec3(bits & 255u, bits >> 8 & 255u, bits >> 16 & 255u) - 127.5) / 256.0 / 255.0;
+    imageStore(weights, ivec3(place, k), vec4(weight + dither, float(drawn) / 255.0));
 }
 #endif
 
@@ -156,9 +166,9 @@ void main()
             share = share_of(wanted, tau, c.depth, share);
             distances[k] = a + share * c.size;
 #if defined(AL_WEIGHTS)
-            store_weight(place, k, c, tau + share * c.depth, hash(pixel.x, pixel.y, uint(k) << 16 ^ uint(shell_counts.z)));
+            store_weight(place, k, origin, direction, c, tau + share * c.depth, hash(pixel.x, pixel.y, uint(k) << 16 ^ uint(shell_counts.z)));
 #elif defined(AL_COEFFICIENTS)
-            values[k] = dot(c.source.rgb, vec3(1.0 / 3.0)) / max(c.size, 1e-30);
+            values[k] = dot(c.source, vec3(1.0 / 3.0)) / max(c.size, 1e-30);
 #endif
         }
         tau += c.depth;

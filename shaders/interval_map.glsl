@@ -9,7 +9,7 @@ layout(binding = 2) uniform usampler2DArray interval_steps; // 16 samples a laye
 layout(binding = 3) uniform sampler2D interval_ends;        // start of the medium and unit in m, depletion of the
                                                             // ray (0: no medium), largest coefficient in 1/m
 #if defined(AL_WEIGHTS)
-layout(binding = 4) uniform sampler2DArray interval_weights; // rgb: weight / 3; a: g * 0.5 + 0.5
+layout(binding = 4) uniform sampler2DArray interval_weights; // rgb: weight / 3; a: number of the medium / 255
 #elif defined(AL_COEFFICIENTS)
 layout(binding = 4) uniform usampler2DArray interval_coefficients; // 16 samples a layer, over the largest
 #endif

@@ -22,7 +22,7 @@ float solid_angle(float cosine, float squared)
 #ifdef AL_CLAMPED
     return place.w * cosine / max(squared, place.w / AL_PI);
 #else
-    float x = place.w * cosine / (AL_PI * squared), root = sqrt(1.0 + x);
+    float x = min(place.w * cosine / (AL_PI * squared), 1e30), root = sqrt(1.0 + x);
     return 2.0 * AL_PI * x / (root * (1.0 + root)); // 1 - 1/root without cancellation
 #endif
 }
@@ -70,7 +70,7 @@ void main()
 #endif
 #if defined(AL_WEIGHTS)
         vec4 weight = texelFetch(interval_weights, ivec3(pixel, k), 0);
-        g = weight.a * 2.0 - 1.0;
+        g = fogs[int(weight.a * 255.0 + 0.5)].sigma_t.w;
         part *= 3.0 * weight.rgb;
 #elif defined(AL_COEFFICIENTS)
         part *= interval_byte(values, k) / 255.0 * (1.0 - (float(k + 1) - xi) * ends.z / float(shell_counts.y)) * length_m;

@@ -39,6 +39,8 @@ bool splat_bounds(vec3 center, float radius, int level, int surfel, out vec4 bou
 {
     vec2 x, y, size = vec2(tile.zw);
     ball_bounds(transpose(view_projection), center, radius, x, y);
+    x = clamp(x, -2.0, 2.0); // far beyond the view, whole numbers of pixels would be too large for an int
+    y = clamp(y, -2.0, 2.0);
     ivec2 low = ivec2(floor((vec2(x.x, y.x) * 0.5 + 0.5) * size)) - tile.xy;
     ivec2 high = ivec2(floor((vec2(x.y, y.y) * 0.5 + 0.5) * size)) - tile.xy;
     low = max(low, ivec2(0));
