@@ -1,0 +1,419 @@
+/* Extremes of the light that surfaces send into fog: each case's mean over frames against the sum over all surfels and a
+ * quadrature along every ray, double precision, which knows nothing of the interval map, the deal and the shells; wrong
+ * input; tiles; that the same frame twice is the same. Prints the rows of docs/accuracy.md. */
+#include <epoxy/gl.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../../runtime/state.h"
+#include "../test.h"
+#include "airlight/formulas.h"
+#include "airlight/medium.h"
+#include "sphere.h"
+#include "stage.h"
+
+enum { EDGE = 16, BLOCKS = 4 }; /* pixels, and blocks of 8 x 8 of them */
+
+static const char *folder;
+
+/* A fog in a box of x and y in [-half, half]. */
+typedef struct slab {
+    float from, to, half; /* z; m, before the scale */
+    float sigma_s[3], sigma_a[3], g;
+} slab;
+
+typedef struct room { /* zero: the value in brackets */
+    slab slabs[AL_FOG_LIMIT];
+    uint32_t count;
+    float scale;    /* (1) of all lengths; coefficients are over it */
+    float light;    /* W/sr (1) of one lamp, before the scale's square */
+    float lamp[3];  /* (0.1, 0.5, 0) */
+    bool no_lamp, no_floor;
+    const char *asset; /* of the first fog */
+} room;
+
+static al_runtime *open_room(const room *r)
+{
+    al_runtime *runtime = NULL;
+    al_error error = {0};
+    sphere_scene s;
+    al_fog fogs[AL_FOG_LIMIT] = {{0}};
+    al_medium media[AL_FOG_LIMIT] = {{0}};
+    float scale = r->scale > 0 ? r->scale : 1, lamp[3] = {0.1f * scale, 0.5f * scale, 0};
+    sphere_scene_begin(&s);
+    for (uint32_t i = 0; i < r->count; i++) {
+        const slab *b = &r->slabs[i];
+        fogs[i] = (al_fog){.medium = i, .bounded = true, .density = 1, .asset = (char *)(i || !r->asset ? "" : r->asset)};
+        media[i] = (al_medium){.name = "", .g = b->g};
+        for (int k = 0; k < 3; k++) {
+            fogs[i].bounds_min_m[k] = (k == 2 ? b->from : -b->half) * scale;
+            fogs[i].bounds_max_m[k] = (k == 2 ? b->to : b->half) * scale;
+            media[i].sigma_s_per_m[k] = b->sigma_s[k] / scale;
+            media[i].sigma_a_per_m[k] = b->sigma_a[k] / scale;
+        }
+    }
+    s.scene.fogs = fogs;
+    s.scene.fog_count = s.scene.medium_count = r->count;
+    s.scene.media = media;
+    s.scene.baked = (al_baked_light){"", ""};
+    if (!r->no_floor) {
+        sphere_scene_add_floor(&s, 2 * scale, (float[3]){0, -0.8f * scale, 0});
+        sphere_scene_add_floor(&s, 0.5f * scale, (float[3]){0.3f * scale, -0.1f * scale, 0.2f * scale});
+    }
+    for (int k = 0; k < 3 && (r->lamp[0] != 0 || r->lamp[1] != 0 || r->lamp[2] != 0); k++) lamp[k] = r->lamp[k] * scale;
+    if (!r->no_lamp)
+        sphere_scene_add_light(&s, AL_LIGHT_POINT, lamp, (r->light > 0 ? r->light : 1) * scale * scale);
+    CHECK(sphere_scene_write(folder, &s));
+    CHECK(al_runtime_create(NULL, &runtime, &error) == AL_OK);
+    CHECK(stage_load(runtime, folder));
+    sphere_scene_end(&s);
+    return runtime;
+}
+
+/* stage_look with all lengths times `scale`. */
+static al_view look(uint32_t width, uint32_t height, const float eye[3], float scale)
+{
+    al_view view = stage_look(width, height, eye, (float[3]){eye[0] - 0.2f, eye[1] - 0.1f, eye[2] - 3}, 0.7f);
+    for (int k = 12; k < 15; k++) view.view[k] *= scale;
+    view.projection[14] *= scale;
+    return view;
+}
+
+static const float front[3] = {0.2f, 0.1f, 3};
+
+/* --- the sum over all surfels, double precision --- */
+
+typedef struct surfel {
+    float place[4], facing[4], front[4], back[4];
+} surfel;
+
+typedef struct stage_state { /* of the frame drawn last */
+    al_frame_block frame;
+    al_fog_block fogs;
+    surfel *surfels;
+    uint32_t surfel_count, width, height;
+    float *geometry; /* [height][width][4] */
+} stage_state;
+
+static stage_state read_state(const al_runtime *runtime)
+{
+    const al_gl_texture *geometry = &runtime->targets.geometry;
+    stage_state s = {.fogs = runtime->fogs.block, .width = geometry->width, .height = geometry->height};
+    size_t texels = (size_t)s.width * s.height;
+    s.surfel_count = (uint32_t)al_surfels_count(runtime);
+    s.surfels = malloc((s.surfel_count + 1) * sizeof *s.surfels);
+    s.geometry = malloc(texels * 16);
+    glGetNamedBufferSubData(runtime->surfels.cloud.id, 0, (GLsizeiptr)(s.surfel_count * sizeof *s.surfels), s.surfels);
+    glGetNamedBufferSubData(runtime->frame_block.id, 0, sizeof s.frame, &s.frame);
+    glGetTextureImage(geometry->id, 0, GL_RGBA, GL_FLOAT, (GLsizei)(texels * 16), s.geometry);
+    return s;
+}
+
+static void free_state(stage_state *s)
+{
+    free(s->surfels);
+    free(s->geometry);
+}
+
+typedef struct ray {
+    double origin[3], direction[3];
+} ray;
+
+static ray pixel_ray(const al_frame_block *frame, double x, double y)
+{
+    ray r;
+    double length = 0;
+    for (int k = 0; k < 3; k++) {
+        r.origin[k] = frame->ray[0][k] + x * frame->ray[1][k] + y * frame->ray[2][k];
+        r.direction[k] = frame->ray[3][k] + x * frame->ray[4][k] + y * frame->ray[5][k];
+        length += r.direction[k] * r.direction[k];
+    }
+    for (int k = 0; k < 3; k++) r.direction[k] /= sqrt(length);
+    return r;
+}
+
+/* The part of the ray within [0, to] that lies in a fog's box. */
+static bool clip(const al_fog_entry *fog, const ray *r, double to, double span[2])
+{
+    span[0] = 0;
+    span[1] = to;
+    for (int k = 0; k < 3; k++) {
+        double low = (double)fog->low[k] - r->origin[k], high = low + fog->extent[k];
+        if (r->direction[k] == 0) {
+            if (low > 0 || high < 0) return false;
+            continue;
+        }
+        double a = low / r->direction[k], b = high / r->direction[k];
+        span[0] = fmax(span[0], fmin(a, b));
+        span[1] = fmin(span[1], fmax(a, b));
+    }
+    return span[0] < span[1];
+}
+
+static void depth_of(const al_fog_block *fogs, const ray *r, double to, double tau[3])
+{
+    memset(tau, 0, 3 * sizeof *tau);
+    for (int32_t i = 0; i < fogs->counts[0]; i++) {
+        double span[2];
+        if (!clip(&fogs->fogs[i], r, to, span)) continue;
+        for (int c = 0; c < 3; c++) tau[c] += fogs->fogs[i].sigma_t[c] * (span[1] - span[0]);
+    }
+}
+
+/* Radiance scattered per metre at r(t) towards the eye, before extinction on the way to it. */
+static void source_at(const stage_state *s, const ray *r, double t, double light[3])
+{
+    double sigma[AL_FOG_LIMIT];
+    memset(light, 0, 3 * sizeof *light);
+    for (int32_t i = 0; i < s->fogs.counts[0]; i++) {
+        double span[2];
+        sigma[i] = clip(&s->fogs.fogs[i], r, 1e30, span) && t >= span[0] && t < span[1];
+    }
+    for (uint32_t j = 0; j < s->surfel_count; j++) {
+        const surfel *f = &s->surfels[j];
+        ray leg;
+        double squared = 0, cosine = 0, turn = 0, tau[3];
+        for (int k = 0; k < 3; k++) {
+            leg.origin[k] = f->place[k];
+            leg.direction[k] = r->origin[k] + t * r->direction[k] - f->place[k];
+            squared += leg.direction[k] * leg.direction[k];
+        }
+        double distance = sqrt(squared);
+        for (int k = 0; k < 3; k++) {
+            leg.direction[k] /= distance;
+            cosine += leg.direction[k] * f->facing[k];
+            turn -= leg.direction[k] * r->direction[k];
+        }
+        const float *sent = cosine > 0 ? f->front : f->back;
+        if (!(sent[0] > 0 || sent[1] > 0 || sent[2] > 0)) continue;
+        double x = f->place[3] * fabs(cosine) / (AL_PI * squared), root = sqrt(1 + x);
+        double angle = 2 * AL_PI * x / (root * (1 + root));
+        depth_of(&s->fogs, &leg, distance, tau);
+        for (int32_t i = 0; i < s->fogs.counts[0]; i++)
+            for (int c = 0; c < 3 && sigma[i] > 0; c++)
+                light[c] += s->fogs.fogs[i].sigma_s[c] * al_phase(s->fogs.fogs[i].sigma_t[3], turn) * angle * sent[c] *
+                            exp(-tau[c]);
+    }
+}
+
+/* Gauss-Legendre of three places a step; steps end at every fog's surface and take at most half an optical depth of
+ * the channels that are not gone, nor more than a share of the ray. */
+static void integrate(const stage_state *s, uint32_t pixel, int shares, double light[3])
+{
+    static const double place[3] = {0.1127016653792583, 0.5, 0.8872983346207417}, weight[3] = {5 / 18.0, 4 / 9.0, 5 / 18.0};
+    double ends[2 * AL_FOG_LIMIT + 1], longest = 0;
+    int end_count = 0;
+    ray r = pixel_ray(&s->frame, pixel % s->width + 0.5, pixel / s->width + 0.5);
+    float surface = s->geometry[4 * pixel + 3];
+    memset(light, 0, 3 * sizeof *light);
+    for (int32_t i = 0; i < s->fogs.counts[0]; i++) {
+        double span[2];
+        if (!clip(&s->fogs.fogs[i], &r, surface > 0 ? surface : 1e30, span)) continue;
+        memcpy(ends + end_count, span, sizeof span);
+        end_count += 2;
+        longest = fmax(longest, span[1]);
+    }
+    double t = 0, tau[3] = {0};
+    while (t < longest && fmin(fmin(tau[0], tau[1]), tau[2]) < 40) {
+        double next = longest, sigma = 0, first = longest;
+        for (int i = 0; i < end_count; i++)
+            if (ends[i] > t) first = fmin(first, ends[i]);
+        for (int32_t i = 0; i < s->fogs.counts[0]; i++) {
+            double span[2];
+            if (!clip(&s->fogs.fogs[i], &r, longest, span) || t < span[0] || t >= span[1]) continue;
+            for (int c = 0; c < 3; c++)
+                if (tau[c] < 40) sigma = fmax(sigma, s->fogs.fogs[i].sigma_t[c]);
+        }
+        next = fmin(first, sigma > 0 ? t + fmin(0.5 / sigma, longest / shares) : first);
+        for (int k = 0; k < 3 && sigma > 0; k++) {
+            double at = t + place[k] * (next - t), here[3], source[3];
+            depth_of(&s->fogs, &r, at, here);
+            source_at(s, &r, at, source);
+            for (int c = 0; c < 3; c++) light[c] += weight[k] * (next - t) * exp(-here[c]) * source[c];
+        }
+        t = next;
+        depth_of(&s->fogs, &r, t, tau);
+    }
+}
+
+/* --- comparing --- */
+
+static double square(double x)
+{
+    return x * x;
+}
+
+typedef struct picture {
+    double mean[EDGE * EDGE * 3], error[EDGE * EDGE * 3]; /* and its standard error */
+} picture;
+
+static void average(al_runtime *runtime, const al_view *view, const al_settings *settings, int frames, picture *p)
+{
+    memset(p, 0, sizeof *p);
+    for (int frame = 0; frame < frames; frame++) {
+        float *pixels = stage_draw(runtime, view, settings, 0);
+        CHECK(pixels && stage_bad(pixels, EDGE * EDGE * 3) == 0);
+        for (int i = 0; pixels && i < EDGE * EDGE * 3; i++) {
+            p->mean[i] += pixels[i] / (double)frames;
+            p->error[i] += square(pixels[i]) / frames;
+        }
+        free(pixels);
+    }
+    for (int i = 0; i < EDGE * EDGE * 3; i++)
+        p->error[i] = sqrt(fmax(p->error[i] - square(p->mean[i]), 0) / (frames - 1));
+}
+
+/* Means over 8 x 8 blocks within four standard errors or `bound`, relative: 0.5 % is what counts as right; where samples
+ * keep weights of 8 bits it is 0.3 % more. Prints the picture's relative difference and the worst block's. */
+static void compare_as(const char *name, al_runtime *runtime, const al_view *view, const al_settings *settings, int frames,
+                       double bound, int shares)
+{
+    static picture p;
+    double sums[2] = {0}, worst = 0;
+    average(runtime, view, settings, frames, &p);
+    stage_state s = read_state(runtime);
+    double blocks[BLOCKS * 3][3] = {{0}};
+    for (uint32_t i = 0; i < EDGE * EDGE; i++) {
+        double light[3];
+        integrate(&s, i, shares, light);
+        for (uint32_t c = 0; c < 3; c++) {
+            double *block = blocks[(i / EDGE / 8 * 2 + i % EDGE / 8) * 3 + c];
+            block[0] += p.mean[3 * i + c];
+            block[1] += light[c];
+            block[2] += square(p.error[3 * i + c]);
+            sums[0] += p.mean[3 * i + c];
+            sums[1] += light[c];
+        }
+    }
+    for (int i = 0; i < BLOCKS * 3; i++) {
+        if (!(blocks[i][1] > 1e-30)) continue;
+        worst = fmax(worst, fabs(blocks[i][0] / blocks[i][1] - 1));
+        CHECK_NEAR(blocks[i][0] / blocks[i][1], 1, fmax(4 * sqrt(blocks[i][2]) / blocks[i][1], bound));
+    }
+    CHECK(s.surfel_count > 0 && sums[1] > 0);
+    printf("| %s | %.2f %%, worst block %.2f %% (%u surfels) |\n", name, 100 * (sums[0] / sums[1] - 1), 100 * worst,
+           s.surfel_count);
+    free_state(&s);
+}
+
+/* All pairs in one level, so that only the samples' places on the rays are drawn. */
+static const al_settings plain = {
+    .pass = AL_PASS_SURFACE_SCATTERING, .surfel_pixels = 1.2f, .shell_levels = 1, .interval_count = 32, .blur_off = true};
+
+static void compare(const char *name, const room *r, double bound)
+{
+    al_runtime *runtime = open_room(r);
+    al_view view = look(EDGE, EDGE, front, r->scale > 0 ? r->scale : 1);
+    compare_as(name, runtime, &view, &plain, 16, bound, 96);
+    al_runtime_destroy(runtime);
+}
+
+static slab grey(float sigma_s, float sigma_a, float g)
+{
+    return (slab){-1, 1, 1, {sigma_s, sigma_s, sigma_s}, {sigma_a, sigma_a, sigma_a}, g};
+}
+
+static void test_media(void)
+{
+    static const float sigmas[] = {5e-7f, 5e-4f, 0.5f, 5, 50, 5e3f};
+    char name[96];
+    for (size_t i = 0; i < sizeof sigmas / sizeof *sigmas; i++) {
+        snprintf(name, sizeof name, "sigma_t times size %g", 2.0 * (double)sigmas[i]);
+        slab fog = grey(0.75f * sigmas[i], 0.25f * sigmas[i], 0.2f);
+        if (sigmas[i] > 1) fog.from = -3.05f, fog.to = -1.05f; /* behind the surfaces and the lamp, which light its face */
+        compare(name, &(room){.slabs = {fog}, .count = 1}, 0.005);
+    }
+    compare("albedo 1", &(room){.slabs = {grey(0.8f, 0, 0)}, .count = 1}, 0.005);
+    compare("albedo 1 - 1e-6", &(room){.slabs = {grey(0.8f, 0.8e-6f, 0)}, .count = 1}, 0.005);
+    compare("albedo 1e-6", &(room){.slabs = {grey(0.8e-6f, 0.8f, 0)}, .count = 1}, 0.005);
+    compare("extinction 20, 1 and 0.05 per metre in one fog",
+            &(room){.slabs = {{-3.05f, -1.05f, 1, {16, 0.8f, 0.04f}, {4, 0.2f, 0.01f}, 0}}, .count = 1}, 0.008);
+    /* Samples are off by up to half of a 255th of their largest distance, here 0.29 m: x = 0.28 optical depths of the first
+     * channel, more on a slanted leg (x / 0.3), whose transmittance is then sinh(x) / x too large on average. */
+    compare("extinction 500, 0.5 and 5e-4 per metre in one fog",
+            &(room){.slabs = {{-3.05f, -1.05f, 1, {400, 0.4f, 4e-4f}, {100, 0.1f, 1e-4f}, 0}}, .count = 1},
+            sinh(0.28 / 0.3) / (0.28 / 0.3) - 1);
+    compare("g 0.99", &(room){.slabs = {grey(0.5f, 0.1f, 0.99f)}, .count = 1}, 0.005);
+    compare("g -0.99", &(room){.slabs = {grey(0.5f, 0.1f, -0.99f)}, .count = 1}, 0.005);
+    compare("two coloured fogs in one place, g 0.95 and -0.95",
+            &(room){.slabs = {{-1, 1, 1, {0.6f, 0.1f, 0}, {0, 0.1f, 0.1f}, 0.95f},
+                              {-1, 1, 1, {0.1f, 0.1f, 0.5f}, {0.2f, 0, 0}, -0.95f}},
+                    .count = 2},
+            0.008);
+    room eight = {.count = 8};
+    for (int i = 0; i < 8; i++) {
+        eight.slabs[i] = grey(0.1f + 0.05f * (float)i, 0.1f, 0.2f * (float)i - 0.7f);
+        eight.slabs[i].from = -1 + 0.2f * (float)i;
+        eight.slabs[i].to = eight.slabs[i].from + 0.3f;
+        eight.slabs[i].sigma_s[i % 3] = 0;
+    }
+    compare("8 coloured fogs that overlap, g -0.7 to 0.7", &eight, 0.008);
+}
+
+static void test_scales(void)
+{
+    room r = {.slabs = {grey(0.5f, 0.1f, 0.3f)}, .count = 1};
+    r.scale = 1e-4f;
+    compare("a scene of 1e-4 m", &r, 0.005);
+    r.scale = 1e4f;
+    compare("a scene of 1e4 m", &r, 0.005);
+    r.scale = 1;
+    r.light = 1e-6f;
+    compare("a lamp of 1e-6", &r, 0.005);
+    r.light = 1e6f;
+    compare("a lamp of 1e6", &r, 0.005);
+    r.light = 1;
+    r.lamp[0] = 0.3f, r.lamp[1] = -0.1f, r.lamp[2] = 0.2f;
+    compare("a lamp on a surface", &r, 0.005);
+}
+
+/* --- views, knobs, sizes --- */
+
+static void compare_view(const char *name, al_runtime *runtime, const al_view *view, const al_settings *changes, int frames)
+{
+    al_settings settings = plain;
+    if (changes->shell_levels) settings.shell_levels = changes->shell_levels;
+    if (changes->interval_count) settings.interval_count = changes->interval_count;
+    settings.shell_radius_m = changes->shell_radius_m;
+    compare_as(name, runtime, view, &settings, frames, 0.005, 192);
+}
+
+static al_view ortho(float scale)
+{
+    al_view view = stage_ortho(EDGE, EDGE, 1.2f * scale);
+    view.view[14] *= scale;
+    view.projection[10] /= scale;
+    return view;
+}
+
+static void test_views(void)
+{
+    room r = {.slabs = {grey(0.5f, 0.1f, 0.3f)}, .count = 1};
+    al_runtime *runtime = open_room(&r);
+    al_view view = look(EDGE, EDGE, (float[3]){0, 0.2f, 0.9f}, 1);
+    compare_view("camera inside the fog", runtime, &view, &(al_settings){0}, 16);
+    view = look(EDGE, EDGE, front, 1);
+    compare_view("7 levels", runtime, &view, &(al_settings){.shell_levels = 7, .shell_radius_m = 0.03f}, 128);
+    compare_view("4 interval knots", runtime, &view, &(al_settings){.interval_count = 4}, 64);
+    view = ortho(1);
+    compare_view("orthographic view", runtime, &view, &(al_settings){0}, 16);
+    al_runtime_destroy(runtime);
+    for (int i = 0; i < 2; i++) {
+        r.scale = i ? 1e4f : 1e-4f;
+        runtime = open_room(&r);
+        view = ortho(r.scale);
+        compare_view(i ? "orthographic view of 1e4 m" : "orthographic view of 1e-4 m", runtime, &view, &(al_settings){0}, 16);
+        al_runtime_destroy(runtime);
+    }
+}
+
+int main(void)
+{
+    if (!stage_open()) return test_skip("no OpenGL 4.5 context");
+    folder = stage_folder();
+    if (!folder) return test_skip("no temporary folder");
+    test_media();
+    test_scales();
+    test_views();
+    return test_end();
+}
