@@ -21,9 +21,10 @@ void main()
 {
     vec4 here = world * vec4(position, 1.0);
     world_position = here.xyz;
-    // The cofactor matrix: right for every invertible transform, its length does not matter.
-    mat3 m = mat3(world);
-    world_normal = mat3(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])) * normal;
+    // The cofactor matrix, the inverse's transpose times the determinant, whose sign alone matters: right for every
+    // invertible transform.
+    mat3 m = mat3(world), cofactor = mat3(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1]));
+    world_normal = (dot(m[0], cofactor[0]) < 0.0 ? -1.0 : 1.0) * (cofactor * normal);
     surface_uv = uv;
 #ifdef AL_LIGHTMAP
     page_uv = uv1 * page_place.xy + page_place.zw;

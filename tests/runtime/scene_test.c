@@ -282,6 +282,9 @@ static void test_passes(fixture *f)
     average(f, &view, &(al_settings){.pass = AL_PASS_NORMAL}, 0, 1, image);
     CHECK_NEAR(image[3 * (EDGE / 2 * EDGE + EDGE / 2) + 2], 1, 1e-3);
     CHECK_NEAR(image[3 * (2 * EDGE + 2) + 1], 1, 1e-5); /* the floor's corner */
+    al_runtime_scene(f->runtime)->instances[1].world[0] *= -1; /* mirrored, the floor still faces up */
+    average(f, &view, &(al_settings){.pass = AL_PASS_NORMAL}, 0, 1, image);
+    CHECK_NEAR(image[3 * (2 * EDGE + 2) + 1], 1, 1e-5);
     average(f, &view, &(al_settings){.pass = AL_PASS_INTERVALS}, 0, 1, image);
     const double *knots = image + 3 * (EDGE / 2 * EDGE + EDGE / 2);
     CHECK(knots[0] < knots[1] && knots[1] < knots[2]);
