@@ -59,6 +59,7 @@ static void mark(al_timing *timing)
     if (!timing->active) return;
     GLuint *query = &frame->queries[frame->count++];
     if (!*query) glCreateQueries(GL_TIMESTAMP, 1, query);
+    if (timing->waits) glFinish();
     glQueryCounter(*query, GL_TIMESTAMP);
 }
 

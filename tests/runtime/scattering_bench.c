@@ -56,6 +56,34 @@ static double brute_force(al_runtime *runtime, uint32_t width, uint32_t height, 
     return spent;
 }
 
+static double draw_seconds(al_runtime *runtime, const al_view *view, const al_settings *settings, int frames)
+{
+    double fastest = INFINITY;
+    for (int frame = 0; frame <= frames; frame++) {
+        double start = seconds();
+        float *pixels = stage_draw(runtime, view, settings, 0);
+        if (!pixels) exit(1);
+        free(pixels);
+        if (frame) fastest = fmin(fastest, seconds() - start);
+    }
+    return fastest;
+}
+
+/* Time over the number of surfels, the shells' radius held: a straight line and what it explains. */
+static void print_line(al_runtime *runtime, const al_view *view, int frames)
+{
+    double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+    for (float size = 9.2f; size > 2; size /= 1.41421356f) {
+        const al_settings settings = {.pass = AL_PASS_SURFACE_SCATTERING, .surfel_pixels = size, .shell_radius_m = 0.05f};
+        double spent = draw_seconds(runtime, view, &settings, frames), count = (double)al_runtime_surfels(runtime);
+        printf("%8.0f surfels %8.3f s\n", count, spent);
+        n++, x += count, y += spent, xx += count * count, xy += count * spent, yy += spent * spent;
+    }
+    double slope = (n * xy - x * y) / (n * xx - x * x), start = (y - slope * x) / n;
+    double explained = (n * xy - x * y) * (n * xy - x * y) / ((n * xx - x * x) * (n * yy - y * y));
+    printf("frame = %.3f s + %.1f us a surfel, r^2 %.3f\n", start, 1e6 * slope, explained);
+}
+
 int main(int argc, char **argv)
 {
     al_runtime *runtime = NULL;
@@ -70,6 +98,7 @@ int main(int argc, char **argv)
         fprintf(stderr, "%s\n", error.message);
         return 1;
     }
+    runtime->timing.waits = true;
     al_view view = reference_view(width, height);
     double fastest = INFINITY, splatted = 0, brute = 0;
     float *pixels = NULL;
@@ -90,11 +119,29 @@ int main(int argc, char **argv)
             brute += light[3 * (y * (width / STRIDE) + x)];
         }
     printf("%u x %u, %u surfels, %d march steps; on %s\n", width, height, surfels, steps, glGetString(GL_RENDERER));
-    for (uint32_t i = 0; i < count; i++) printf("%-16s %10.2f ms\n", times[i].name, times[i].ms);
+    double sum = 0;
+    for (uint32_t i = 0; i < count; i++) sum += times[i].ms;
+    for (uint32_t i = 0; i < count; i++)
+        printf("%-16s %10.2f ms %5.1f %%\n", times[i].name, times[i].ms, 100 * times[i].ms / sum);
+    const al_shells *shells = &runtime->shells;
+    const struct {
+        const char *name;
+        uint64_t bytes;
+    } buffers[] = {{"surfels", al_surfels_bytes(runtime)},
+                   {"interval map", shells->steps.bytes + shells->ends.bytes + shells->weights.bytes},
+                   {"span", shells->span.bytes},
+                   {"levels", shells->levels.bytes},
+                   {"light and its mips", shells->light.bytes},
+                   {"legs", runtime->legs.extinction.bytes},
+                   {"tables of the deal", 0},
+                   {"all of the runtime", al_runtime_memory(runtime)}};
+    for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
+        printf("%-20s %8.2f MiB\n", buffers[i].name, (double)buffers[i].bytes / 1048576);
     printf("frame %.3f s, brute force %.1f s: %.0f times; light of both %.4f\n", fastest, spent, spent / fastest,
            splatted / brute);
     free(pixels);
     free(light);
+    print_line(runtime, &view, frames);
     al_runtime_destroy(runtime);
     return 0;
 }
