@@ -112,9 +112,11 @@ static al_status splat(al_draw *draw)
 static al_status add_light(al_draw *draw)
 {
     al_runtime *runtime = draw->runtime;
+    char defines[64];
     GLuint program;
-    al_status status = al_shaders_get(runtime->shaders, "bounce_light.comp", al_interval_map_define(runtime), &program,
-                                      draw->error);
+    snprintf(defines, sizeof defines, "%s%s", al_interval_map_define(runtime),
+             draw->settings.second_leg_off ? "" : "#define AL_LEG\n");
+    al_status status = al_shaders_get(runtime->shaders, "bounce_light.comp", defines, &program, draw->error);
     if (status) return status;
     al_timing_begin(&runtime->timing, AL_STAGE_BOUNCE_LIGHT);
     glUseProgram(program);

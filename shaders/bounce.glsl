@@ -11,11 +11,18 @@ layout(std140, binding = 4) uniform Bounce {
     ivec4 bounce_sample; // x: number of the sample; y: samples a pixel; z: 1 throws near fragments away; w unused
 };
 
-// Which sample of the view ray the pixel's ray begins at, and random bits for its direction. `pixel`: of the view.
-int bounce_drawn(ivec2 pixel, out uint bits)
+// Which sample of the view ray the pixel's ray begins at, and two numbers in [0, 1) for its direction. `pixel`: of the view.
+//
+// Blocks of 4 x 4 pixels share one additive sequence, number n of it is (shift + n a) mod 1, with a the powers of 1/x,
+// x^4 = x + 1, which fill the cube evenly (Roberts 2018), and a shift drawn per block. A frame's sample takes sixteen numbers,
+// one a pixel: a pixel's samples over the frames are as even as those of its block, over which the blur takes the mean.
+int bounce_drawn(ivec2 pixel, out vec2 turn)
 {
-    bits = hash(uint(pixel.x), uint(pixel.y), uint(shell_counts.z * bounce_sample.y + bounce_sample.x));
-    return min(int(unit_float(bits) * float(shell_counts.y)), shell_counts.y - 1);
+    uint block = hash(uint(pixel.x >> 2), uint(pixel.y >> 2), 0u);
+    uint n = uint(shell_counts.z * bounce_sample.y + bounce_sample.x) << 4 | uint((pixel.y & 3) << 2 | (pixel.x & 3));
+    turn = vec2(unit_float(mix_bits(block ^ 0x68bc21ebu) + n * 0xabc98389u),
+                unit_float(mix_bits(block ^ 0x02e5be93u) + n * 0x8cb92ba7u));
+    return min(int(unit_float(block + n * 0xd1b54a33u) * float(shell_counts.y)), shell_counts.y - 1);
 }
 
 #endif

@@ -1,6 +1,7 @@
 #version 450 core
 // What the medium scatters to the eye of the surfel that the pixel's ray hits, the nearest of all levels: the mean over
-// rays drawn by the phase function needs no weight but the depletion and the albedo.
+// rays drawn by the phase function needs no weight but the depletion and the albedo. AL_LEG: less what the fogs take
+// between the surfel and the place on the view ray.
 #extension GL_GOOGLE_include_directive : enable
 #include "frame.glsl"
 #include "fogs.glsl"
@@ -49,13 +50,15 @@ void main()
         vec3 origin, direction, part = dot(s.facing.xyz, ray.xyz) < 0.0 ? s.front.rgb : s.back.rgb;
         view_ray(view_pixel(vec2(pixel) + 0.5), origin, direction);
 #ifdef AL_WEIGHTS
-        uint bits;
-        part *= 3.0 * texelFetch(interval_weights, ivec3(pixel, bounce_drawn(pixel + tile.xy, bits)), 0).rgb;
+        vec2 turn;
+        part *= 3.0 * texelFetch(interval_weights, ivec3(pixel, bounce_drawn(pixel + tile.xy, turn)), 0).rgb;
 #else
         part *= shell_medium.rgb;
 #endif
+#ifdef AL_LEG
         if (dot(part, vec3(1.0)) > 0.0)
             part *= fog_transmittance(origin + ray.w * direction, ray.xyz, distance_m, 256.0);
+#endif
         before.rgb += min(part * ends.z / float(bounce_sample.y), vec3(1e30));
     }
     imageStore(light, place, before);

@@ -37,9 +37,8 @@ void main()
     vec4 ends = texelFetch(interval_ends, pixel, 0);
     imageStore(rays, pixel, vec4(0.0));
     if (ends.z <= 0.0) return;
-    uint bits;
-    int drawn = bounce_drawn(pixel + tile.xy, bits);
-    float u = unit_float(mix_bits(bits ^ 0x68bc21ebu)), v = unit_float(mix_bits(bits ^ 0x02e5be93u));
+    vec2 turn;
+    int drawn = bounce_drawn(pixel + tile.xy, turn);
     uvec4 words;
     float t = ends.x;
     for (int k = 0; k <= drawn; k++) {
@@ -53,5 +52,5 @@ void main()
     vec3 origin, direction;
     view_ray(view_pixel(vec2(pixel) + 0.5), origin, direction);
     // Light travels to the eye along -direction, and came along minus the ray's: the cosine is that of the two rays.
-    imageStore(rays, pixel, vec4(turned(direction, scattering_cosine(g, u), v), max(t, 1e-30)));
+    imageStore(rays, pixel, vec4(turned(direction, scattering_cosine(g, turn.x), turn.y), max(t, 1e-30)));
 }
