@@ -55,24 +55,39 @@ al_status al_inspect_draw(al_draw *draw)
     return AL_OK;
 }
 
+/* Which texture array the pass looks at. */
+static GLuint shown_array(const al_runtime *runtime, al_pass pass)
+{
+    switch (pass) {
+    case AL_PASS_SHELLS: return runtime->shells.levels.id;
+    case AL_PASS_UNSHUFFLED:
+    case AL_PASS_BLURRED: return runtime->shells.light.id;
+    case AL_PASS_SHADOW_MAP: return runtime->shadow.depth.id;
+    default: return 0;
+    }
+}
+
 al_status al_shells_inspect(al_draw *draw)
 {
     al_runtime *runtime = draw->runtime;
     al_pass pass = draw->settings.pass;
-    GLint choice = pass == AL_PASS_INTERVAL_MAP ? 0 : pass == AL_PASS_DEPLETION ? 1 : 2;
-    GLuint program;
+    GLuint program, array = shown_array(runtime, pass);
     al_status status =
         al_shaders_get(runtime->shaders, "fullscreen.vert inspect_shells.frag", "", &program, draw->error);
     if (status) return status;
+    if (pass == AL_PASS_SHADOW_MAP && !array) return AL_OK; /* nothing casts one */
     glBindFramebuffer(GL_FRAMEBUFFER, runtime->targets.radiance_framebuffer);
     glViewport(0, 0, draw->tile[2], draw->tile[3]);
     glUseProgram(program);
     al_gl_bind_texture(AL_UNIT_PASS, runtime->shells.steps.id);
     al_gl_bind_texture(AL_UNIT_PASS + 1, runtime->shells.ends.id);
-    al_gl_bind_texture(AL_UNIT_PASS + 3, choice == 2 ? runtime->shells.levels.id : 0);
-    glUniform2i(0, choice, (GLint)draw->settings.shown_level);
+    al_gl_bind_texture(AL_UNIT_PASS + 3, array);
+    if (pass == AL_PASS_SHADOW_MAP) glTextureParameteri(array, GL_TEXTURE_COMPARE_MODE, GL_NONE);
+    glUniform2i(0, (GLint)(pass - AL_PASS_INTERVAL_MAP), (GLint)draw->settings.shown_level);
+    glUniform2f(1, (float)draw->tile[2], (float)draw->tile[3]);
     glBindVertexArray(runtime->empty_vertex_array);
     glDrawArrays(GL_TRIANGLES, 0, 3);
+    if (pass == AL_PASS_SHADOW_MAP) glTextureParameteri(array, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
     return AL_OK;
 }
 

@@ -37,9 +37,6 @@ static al_status check(const al_view *view, const al_settings *settings, al_erro
     if (settings->shell_radius_m != 0 && !in_range(settings->shell_radius_m, 1e-6, 1e6))
         return al_fail(error, AL_USAGE, "settings: shell radius of %g m; use 1e-6 to 1e6, or 0 for epsilon's",
                        (double)settings->shell_radius_m);
-    if (settings->pass == AL_PASS_SHELLS && settings->shown_level >= (settings->shell_levels ? settings->shell_levels : 6))
-        return al_fail(error, AL_USAGE, "settings: level %u is shown of %u", settings->shown_level,
-                       settings->shell_levels ? settings->shell_levels : 6);
     if (settings->shell_levels > 7 || settings->blur_mips > 4 || settings->second_leg_steps > 64)
         return al_fail(error, AL_USAGE, "settings: %u shell levels, blur of %u mips, %u steps of the second leg; use at "
                        "most 7, 4 and 64", settings->shell_levels, settings->blur_mips, settings->second_leg_steps);
@@ -145,6 +142,12 @@ static al_status draw_object(al_draw *draw, uint32_t index)
     return status;
 }
 
+/* Passes that show one level. */
+static bool shows_level(al_pass pass)
+{
+    return pass == AL_PASS_SHELLS || pass == AL_PASS_UNSHUFFLED || pass == AL_PASS_BLURRED;
+}
+
 static al_status draw_surface_scattering(al_draw *draw)
 {
     al_pass pass = draw->settings.pass;
@@ -154,7 +157,9 @@ static al_status draw_surface_scattering(al_draw *draw)
     status = al_span_run(draw);
     if (!status) status = draw->settings.visibility ? al_bounce_medium(draw) : al_shells_draw(draw);
     if (status) return status;
-    return pass == AL_PASS_SHELLS ? al_shells_inspect(draw) : al_shells_gather(draw);
+    if (pass == AL_PASS_SHELLS) return al_shells_inspect(draw);
+    status = al_shells_gather(draw);
+    return !status && shows_level(pass) ? al_shells_inspect(draw) : status;
 }
 
 static al_status draw_tile(al_draw *draw)
@@ -178,6 +183,7 @@ static al_status draw_tile(al_draw *draw)
     }
     if (draw->settings.pass == AL_PASS_NORMAL || draw->settings.pass == AL_PASS_DEPTH)
         status = al_inspect_draw(draw);
+    if (draw->settings.pass == AL_PASS_SHADOW_MAP) status = al_shells_inspect(draw);
     if (!status) status = al_fog_draw(draw);
     if (!status && draw->needs_map) status = draw_surface_scattering(draw);
     for (uint32_t i = 0; i < runtime->scene.translucent_count && !status; i++)
@@ -228,11 +234,29 @@ static bool needs_surfels(const al_draw *draw)
     case AL_PASS_COMPOSITE:
     case AL_PASS_SURFACE_SCATTERING:
     case AL_PASS_SHELLS:
+    case AL_PASS_UNSHUFFLED:
+    case AL_PASS_BLURRED:
         return runtime->fogs.drawn && !draw->settings.surface_scattering_off &&
                (runtime->scene.light_count || runtime->model.has_emission);
     default:
         return false;
     }
+}
+
+/* How many levels or layers the pass can show one of. */
+static uint32_t shown_limit(const al_draw *draw)
+{
+    if (draw->settings.pass != AL_PASS_SHADOW_MAP) return draw->settings.shell_levels;
+    return draw->runtime->shadow.depth.id ? draw->runtime->shadow.depth.depth : 1;
+}
+
+static al_status check_shown(const al_draw *draw)
+{
+    const al_settings *settings = &draw->settings;
+    if (!shows_level(settings->pass) && settings->pass != AL_PASS_SHADOW_MAP) return AL_OK;
+    if (settings->shown_level < shown_limit(draw)) return AL_OK;
+    return al_fail(draw->error, AL_USAGE, "settings: number %u is shown of %u levels or layers, from 0",
+                   settings->shown_level, shown_limit(draw));
 }
 
 static al_status draw_frame(al_draw *draw)
@@ -253,8 +277,9 @@ static al_status draw_frame(al_draw *draw)
     draw->needs_map = runtime->fogs.drawn && (pass == AL_PASS_INTERVAL_MAP || pass == AL_PASS_DEPLETION ||
                                               (draw->needs_surfels && pass != AL_PASS_SURFELS));
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, runtime->frame_block.id);
-    if (pass == AL_PASS_SHELLS) draw->settings.visibility = false;
+    if (shows_level(pass)) draw->settings.visibility = false;
     status = al_shadow_draw(draw);
+    if (!status) status = check_shown(draw);
     if (!status) status = al_surfels_run(draw);
     if (!status && draw->needs_map) status = al_shells_prepare(draw);
     for (uint32_t i = 0; i < runtime->scene.translucent_count && !status; i++)

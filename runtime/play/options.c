@@ -174,7 +174,7 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
         {"--shell-epsilon", "L", AL_OPTION_REAL, &raw.shell_epsilon,
          "radiance a splat may leave out, W/(m2 sr) (0.06 as the exposure shows it)", 1e-12, 1e12},
         {"--shell-levels", "N", AL_OPTION_INT, &raw.shell_levels, "levels of the splatted picture (6)", 1, 7},
-        {"--shown-level", "N", AL_OPTION_INT, &raw.shown_level, "which of them --pass shells shows (0)", 0, 6},
+        {"--shown-level", "N", AL_OPTION_INT, &raw.shown_level, "the level or layer that --pass shells, unshuffled, blurred and shadow-map show (0)", 0, 400},
         {"--shell-radius", "M", AL_OPTION_REAL, &raw.shell_radius, "of the innermost shell in m (by epsilon)", 1e-6,
          1e6},
         {"--shells-closed", NULL, AL_OPTION_FLAG, &raw.shells_closed, "the outermost shell ends by epsilon too", 0, 0},

@@ -192,7 +192,7 @@ static void show_surface_scattering(al_settings *s)
         s->shell_epsilon_w_m2_sr = epsilon;
     int levels = (int)(s->shell_levels ? s->shell_levels : 6), shown = (int)s->shown_level;
     if (ImGui::SliderInt("levels", &levels, 1, 7)) s->shell_levels = (uint32_t)levels;
-    if (ImGui::SliderInt("level of pass shells", &shown, 0, levels - 1)) s->shown_level = (uint32_t)shown;
+    if (ImGui::SliderInt("level or layer shown", &shown, 0, levels - 1)) s->shown_level = (uint32_t)shown;
     s->shown_level = s->shown_level < (uint32_t)levels ? s->shown_level : (uint32_t)levels - 1;
     if (ImGui::Checkbox("outermost shell open", &open)) s->shells_closed = !open;
     int samples = (int)(s->bounce_samples ? s->bounce_samples : 4);

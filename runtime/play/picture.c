@@ -56,7 +56,7 @@ bool al_pass_is_light(al_pass pass)
 {
     return pass == AL_PASS_COMPOSITE || pass == AL_PASS_TRANSLUCENT || pass == AL_PASS_SURFACE ||
            pass == AL_PASS_DIRECT_SCATTERING || pass == AL_PASS_SURFACE_SCATTERING || pass == AL_PASS_SURFELS ||
-           pass == AL_PASS_SHELLS;
+           pass == AL_PASS_SHELLS || pass == AL_PASS_UNSHUFFLED || pass == AL_PASS_BLURRED;
 }
 
 bool al_picture_has_ending(const char *path, const char *ending)

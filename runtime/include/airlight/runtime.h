@@ -83,6 +83,9 @@ typedef enum al_pass {
     AL_PASS_INTERVAL_MAP, /* distances of the first, middle and last sample of the view's interval map, metres */
     AL_PASS_DEPLETION,    /* what the fog takes of light to the eye, mean of the channels, 0 to 1 */
     AL_PASS_SHELLS,       /* one level as the shells were splatted into it */
+    AL_PASS_UNSHUFFLED,   /* that level in the view's order */
+    AL_PASS_BLURRED,      /* and blurred, as it is summed */
+    AL_PASS_SHADOW_MAP,   /* one layer: a directional light's map or a face of a point light's, depth 0 to 1 */
     AL_PASS_COUNT
 } al_pass;
 const char *al_pass_name(al_pass pass); /* "composite", "translucent", ... */
@@ -117,7 +120,7 @@ typedef struct al_settings {
     /* Light of surfaces that the fog scatters to the eye: surfels splatted in shells (Nalbach et al. 2014). */
     float shell_epsilon_w_m2_sr; /* what a splat may leave out, 0: 0.06 as the scene's exposure shows it */
     uint32_t shell_levels;       /* 0: 6; 1 to 7 */
-    uint32_t shown_level;        /* which one AL_PASS_SHELLS shows */
+    uint32_t shown_level;        /* which one AL_PASS_SHELLS to _BLURRED show, or layer of AL_PASS_SHADOW_MAP */
     float shell_radius_m;        /* of the innermost shell, 0: by epsilon */
     bool shells_closed;          /* the outermost shell ends by epsilon, as published */
     bool shells_clamped;         /* squared distances held above A/pi, as published */
