@@ -111,13 +111,15 @@ al_status al_output_draw(al_draw *draw)
     al_timing_begin(&runtime->timing, AL_STAGE_COMPOSITE);
     glBindFramebuffer(GL_FRAMEBUFFER, draw->framebuffer);
     glViewport(draw->tile[0], draw->tile[1], draw->tile[2], draw->tile[3]);
-    glDisable(GL_SCISSOR_TEST);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(draw->kept[0], draw->kept[1], draw->kept[2], draw->kept[3]);
     glUseProgram(program);
     al_gl_bind_texture(AL_UNIT_PASS, runtime->targets.radiance.id);
     glUniform2i(0, draw->tile[0], draw->tile[1]);
     glUniform1f(1, framebuffer_limit(draw->framebuffer));
     glBindVertexArray(runtime->empty_vertex_array);
     glDrawArrays(GL_TRIANGLES, 0, 3);
+    glDisable(GL_SCISSOR_TEST);
     al_timing_end(&runtime->timing);
     return AL_OK;
 }

@@ -202,23 +202,56 @@ static al_status report(const al_draw *draw, int32_t done, int32_t total)
                : AL_OK;
 }
 
-/* Equal tiles of at most AL_TILE_WIDTH x AL_TILE_HEIGHT; the last of a row or column may be smaller. */
+/* The pixels beyond a tile's sides that its own take light from by the blur: a spline across three texels of the mip, and
+ * three halves of a texel for what binomial kernels gathered into each, so three texels in all. *unit: blocks of
+ * pixels and texels of mips lie alike in all tiles that begin at its multiples. Mips above the seventh reach too far;
+ * their tiles meet with a seam. */
+static int32_t blur_reach(const al_draw *draw, int32_t *unit)
+{
+    const al_settings *settings = &draw->settings;
+    int32_t level = (int32_t)settings->shell_levels - 1, mip = (int32_t)settings->blur_mips;
+    *unit = 1;
+    if (!draw->needs_map || !draw->needs_surfels || settings->blur_off) return 0;
+    if (!settings->visibility) mip += level;
+    if (mip > 7) mip = 7;
+    *unit = 1 << (mip > level ? mip : level);
+    return (3 * (1 << mip) + *unit - 1) / *unit * *unit;
+}
+
+/* Length of equal parts, with `reach` on both sides at most `most`, of `total`; a multiple of `unit` where there are several. */
+static int32_t part_length(int32_t total, int32_t most, int32_t reach, int32_t unit)
+{
+    if (total <= most) return total;
+    int32_t limit = (most - 2 * reach) / unit * unit, count = (total + limit - 1) / limit;
+    return ((total + count - 1) / count + unit - 1) / unit * unit;
+}
+
+/* Equal tiles of at most AL_TILE_WIDTH x AL_TILE_HEIGHT; the last of a row or column may be smaller. They overlap by what
+ * the blur reaches, so that no seam shows. */
 static al_status draw_tiles(al_draw *draw)
 {
-    int32_t width = (int32_t)draw->view->width, height = (int32_t)draw->view->height;
-    int32_t columns = (width + AL_TILE_WIDTH - 1) / AL_TILE_WIDTH,
-            rows = (height + AL_TILE_HEIGHT - 1) / AL_TILE_HEIGHT;
-    int32_t tile_width = (width + columns - 1) / columns, tile_height = (height + rows - 1) / rows;
-    int32_t done = 0;
+    const int32_t size[2] = {(int32_t)draw->view->width, (int32_t)draw->view->height},
+                  most[2] = {AL_TILE_WIDTH, AL_TILE_HEIGHT};
+    int32_t unit, reach = blur_reach(draw, &unit), part[2], done = 0, total = 1;
     al_status status = AL_OK;
-    for (int32_t y = 0; y < height && !status; y += tile_height)
-        for (int32_t x = 0; x < width && !status; x += tile_width) {
-            draw->tile[0] = x;
-            draw->tile[1] = y;
-            draw->tile[2] = width - x < tile_width ? width - x : tile_width;
-            draw->tile[3] = height - y < tile_height ? height - y : tile_height;
+    for (int k = 0; k < 2; k++) {
+        part[k] = part_length(size[k], most[k], reach, unit);
+        total *= (size[k] + part[k] - 1) / part[k];
+    }
+    for (int32_t y = 0; y < size[1] && !status; y += part[1])
+        for (int32_t x = 0; x < size[0] && !status; x += part[0]) {
+            const int32_t corner[2] = {x, y};
+            for (int k = 0; k < 2; k++) {
+                int32_t end = corner[k] + part[k] < size[k] ? corner[k] + part[k] : size[k];
+                int32_t low = corner[k] > reach ? corner[k] - reach : 0,
+                        high = end + reach < size[k] ? end + reach : size[k];
+                draw->kept[k] = corner[k];
+                draw->kept[2 + k] = end - corner[k];
+                draw->tile[k] = low;
+                draw->tile[2 + k] = high - low;
+            }
             status = draw_tile(draw);
-            if (!status) status = report(draw, ++done, columns * rows);
+            if (!status) status = report(draw, ++done, total);
         }
     return status;
 }
@@ -311,7 +344,8 @@ al_status al_runtime_draw(al_runtime *runtime, const al_view *view, const al_set
     if (draw.settings.shell_epsilon_w_m2_sr == 0)
         draw.settings.shell_epsilon_w_m2_sr = 0.06f * exp2f(-runtime->scene.play.exposure_ev);
     if (draw.settings.march_voxels == 0) draw.settings.march_voxels = 0.5f;
-    if (draw.settings.surfel_pixels == 0) draw.settings.surfel_pixels = 4.6f;
+    if (draw.settings.surfel_pixels == 0) /* or a 16th of what is too small a picture for such surfels */
+        draw.settings.surfel_pixels = fminf(4.6f, (float)(view->width < view->height ? view->width : view->height) / 16);
     if (!draw.settings.surfel_limit) draw.settings.surfel_limit = 1 << 20;
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &drawn_to);
     glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read_from);

@@ -305,6 +305,7 @@ typedef struct al_draw {
     double view_projection[16];
     double eye[4];      /* position and 1, or direction to the eye and 0 */
     int32_t tile[4];    /* x, y, width, height in the view */
+    int32_t kept[4];    /* likewise, the part of it that goes to the host */
     bool needs_light;   /* samples are splatted */
     bool needs_shading; /* of opaque surfaces */
     bool needs_map;     /* the view's transmittance interval map */

@@ -7,6 +7,7 @@
 #ifndef AL_SHELLS_GLSL
 #define AL_SHELLS_GLSL
 
+#include "frame.glsl"
 #include "hash.glsl"
 
 layout(std140, binding = 3) uniform Shells {
@@ -19,9 +20,11 @@ layout(std140, binding = 3) uniform Shells {
                         // z: 1 clamps squared distances as published; w: 1 draws nothing at random on the rays: xi and jitter are 0
 };
 
-// Pixels of a block of level l are multiplied and folded modulo 4^l; both steps can be undone.
+// Pixels of a block of level l are multiplied and folded modulo 4^l; both steps can be undone. `block`: of the tile; tiles
+// that overlap deal alike.
 uint deal_seed(ivec2 block, int level)
 {
+    block += tile.xy >> level;
     return hash(uint(block.x), uint(block.y), uint(level) ^ uint(shell_counts.z) << 4);
 }
 

@@ -304,7 +304,7 @@ static void compare(const char *name, const room *r, double bound)
 {
     al_runtime *runtime = open_room(r);
     al_view view = look(EDGE, EDGE, front, r->scale > 0 ? r->scale : 1);
-    compare_as(name, runtime, &view, &plain, 16, bound, 96);
+    compare_as(name, runtime, &view, &plain, 12, bound, 64);
     al_runtime_destroy(runtime);
 }
 
@@ -375,7 +375,7 @@ static void compare_view(const char *name, al_runtime *runtime, const al_view *v
     if (changes->shell_levels) settings.shell_levels = changes->shell_levels;
     if (changes->interval_count) settings.interval_count = changes->interval_count;
     settings.shell_radius_m = changes->shell_radius_m;
-    compare_as(name, runtime, view, &settings, frames, 0.005, 192);
+    compare_as(name, runtime, view, &settings, frames, 0.005, 128);
 }
 
 static al_view ortho(float scale)
@@ -393,7 +393,7 @@ static void test_views(void)
     al_view view = look(EDGE, EDGE, (float[3]){0, 0.2f, 0.9f}, 1);
     compare_view("camera inside the fog", runtime, &view, &(al_settings){0}, 16);
     view = look(EDGE, EDGE, front, 1);
-    compare_view("7 levels", runtime, &view, &(al_settings){.shell_levels = 7, .shell_radius_m = 0.03f}, 128);
+    compare_view("7 levels", runtime, &view, &(al_settings){.shell_levels = 7, .shell_radius_m = 0.03f}, 64);
     compare_view("4 interval knots", runtime, &view, &(al_settings){.interval_count = 4}, 64);
     view = ortho(1);
     compare_view("orthographic view", runtime, &view, &(al_settings){0}, 16);
@@ -407,6 +407,210 @@ static void test_views(void)
     }
 }
 
+/* Two tiles of 1088 and 1024 columns. Light that the fog scatters is smooth: between the last column of one and the first
+ * of the other it changes by no more than between others near by. */
+static void test_tiles(void)
+{
+    enum { WIDTH = 2112, HEIGHT = 64, BORDER = 1088, NEAR = 64 };
+    room r = {.slabs = {grey(0.5f, 0.1f, 0.3f)}, .count = 1};
+    al_runtime *runtime = open_room(&r);
+    al_view view = stage_ortho(WIDTH, HEIGHT, 0.9f);
+    view.projection[5] *= (float)WIDTH / HEIGHT;
+    for (int visibility = 0; visibility < 2; visibility++) {
+        const al_settings settings = {
+            .pass = AL_PASS_SURFACE_SCATTERING, .surfel_pixels = 60, .visibility = visibility > 0};
+        double jumps[2] = {0}; /* at the border, and the largest elsewhere: rms of all rows */
+        float *p = stage_draw(runtime, &view, &settings, 0);
+        CHECK(p && stage_bad(p, WIDTH * HEIGHT * 3) == 0 && stage_sum(p, WIDTH * HEIGHT * 3) > 0);
+        CHECK(runtime->targets.radiance.width < WIDTH);
+        for (int x = BORDER - NEAR; p && x <= BORDER + NEAR; x++) {
+            double sum = 0;
+            for (int y = 0; y < HEIGHT; y++) sum += square(p[3 * (y * WIDTH + x)] / p[3 * (y * WIDTH + x - 1)] - 1);
+            jumps[x != BORDER] = fmax(jumps[x != BORDER], sqrt(sum / HEIGHT));
+        }
+        printf("| %stiles | light changes by %.2f %% from one to the other, by at most %.2f %% from column to column near by |\n",
+               visibility ? "with `--visibility`, " : "", 100 * jumps[0], 100 * jumps[1]);
+        CHECK(jumps[0] <= jumps[1]);
+        free(p);
+    }
+    al_runtime_destroy(runtime);
+}
+
+/* Every pass of both ways, by every kind of weights: nothing negative, nothing that is not finite. Answers the light. */
+static double check_finite(al_runtime *runtime, const al_view *view)
+{
+    double sum = 0;
+    size_t count = (size_t)view->width * view->height * 3;
+    for (int i = 0; i < 6; i++) {
+        const al_settings settings = {.pass = i == 5 ? AL_PASS_SHELLS : i == 4 ? AL_PASS_COMPOSITE : AL_PASS_SURFACE_SCATTERING,
+                                      .visibility = i == 3, .interval_weights = i < 3 ? (al_interval_weights)i : 0};
+        float *pixels = stage_draw(runtime, view, &settings, 0);
+        CHECK(pixels && stage_bad(pixels, count) == 0);
+        if (pixels && !i) sum = stage_sum(pixels, count) / (double)count;
+        free(pixels);
+    }
+    return sum;
+}
+
+static void test_sizes(void)
+{
+    static const uint32_t sizes[][2] = {{1, 1}, {1, 37}, {61, 1}, {33, 17}};
+    room r = {.slabs = {grey(0.5f, 0.1f, 0.3f)}, .count = 1};
+    al_runtime *runtime = open_room(&r);
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        al_view view = look(sizes[i][0], sizes[i][1], front, 1);
+        double light = check_finite(runtime, &view);
+        printf("| %u x %u pixels | finite, mean %.4f |\n", sizes[i][0], sizes[i][1], light);
+        CHECK(light > 0);
+    }
+    al_runtime_destroy(runtime);
+}
+
+/* --- wrong input --- */
+
+static const al_plan_row *plan_row(al_runtime *runtime, const char *step)
+{
+    uint32_t count;
+    const al_plan_row *rows = al_runtime_plan(runtime, &count);
+    for (uint32_t i = 0; i < count; i++)
+        if (!strcmp(rows[i].step, step)) return &rows[i];
+    CHECK(!"no such row");
+    return rows;
+}
+
+/* Nothing to scatter, to light or to be lit: black, and the plan says why. */
+static void test_nothing(void)
+{
+    const slab fog = grey(0.5f, 0.1f, 0.3f);
+    const struct {
+        const char *name, *why;
+        room room;
+    } cases[] = {{"an empty scene", "no fog takes light from surfaces", {.no_floor = true, .no_lamp = true}},
+                 {"no light, no emission", "no light and no emission", {.slabs = {fog}, .count = 1, .no_lamp = true}},
+                 {"no surface", "no opaque object sends light into the fog", {.slabs = {fog}, .count = 1, .no_floor = true}}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        al_runtime *runtime = open_room(&cases[i].room);
+        al_view view = look(EDGE, EDGE, front, 1);
+        CHECK(check_finite(runtime, &view) == 0);
+        const al_plan_row *row = plan_row(runtime, "surface-scattering");
+        CHECK(!row->needed && row->bytes == 0 && !strcmp(row->why, cases[i].why));
+        printf("| %s | black; plan: %s |\n", cases[i].name, row->why);
+        al_runtime_destroy(runtime);
+    }
+    room behind = {.slabs = {fog}, .count = 1};
+    behind.slabs[0].from = 4, behind.slabs[0].to = 5;
+    al_runtime *runtime = open_room(&behind);
+    al_view view = look(EDGE, EDGE, front, 1);
+    CHECK(check_finite(runtime, &view) == 0);
+    printf("| fog outside the view | black |\n");
+    al_runtime_destroy(runtime);
+}
+
+/* In the plane of a wall, behind it, in the fog's corner, in the lamp, on a surfel. */
+static void test_eyes(void)
+{
+    float eyes[][3] = {{0, -0.8f, 0.3f}, {0, -0.9f, 0}, {0.3f, -0.1f, 0.2f}, {1, 1, 1}, {0.1f, 0.5f, 0}, {0, 0, 0}};
+    enum { COUNT = sizeof eyes / sizeof *eyes };
+    room r = {.slabs = {grey(0.5f, 0.1f, 0.3f)}, .count = 1};
+    al_runtime *runtime = open_room(&r);
+    for (int i = 0; i < COUNT; i++) {
+        al_view view = look(EDGE, EDGE, eyes[i], 1);
+        double away = INFINITY;
+        for (int go = 0; i + 1 == COUNT && go < 8; go++) { /* surfels stay where they are when there are more of them */
+            free(stage_draw(runtime, &view, &plain, 0));
+            stage_state s = read_state(runtime);
+            const surfel *nearest = s.surfels;
+            away = INFINITY;
+            for (uint32_t j = 0; j < s.surfel_count; j++) {
+                double squared = 0;
+                for (int k = 0; k < 3; k++) squared += square((double)s.surfels[j].place[k] - eyes[i][k]);
+                if (squared < away) away = squared, nearest = &s.surfels[j];
+            }
+            if (away > 0) memcpy(eyes[i], nearest->place, 12);
+            free_state(&s);
+            view = look(EDGE, EDGE, eyes[i], 1);
+            if (away == 0) break;
+        }
+        if (i + 1 == COUNT) CHECK(away == 0);
+        CHECK(check_finite(runtime, &view) >= 0);
+    }
+    printf("| camera in a wall's plane, behind it, in a corner of the fog, in the lamp, on a surfel | finite, never negative |\n");
+    al_runtime_destroy(runtime);
+}
+
+/* More surfels than they may be: coarser, said in the plan, and right for what they are. */
+static void test_limit(void)
+{
+    room r = {.slabs = {grey(0.5f, 0.1f, 0.3f)}, .count = 1};
+    al_runtime *runtime = open_room(&r);
+    al_view view = look(EDGE, EDGE, front, 1);
+    al_settings settings = plain;
+    settings.surfel_pixels = 0.1f;
+    settings.surfel_limit = 64;
+    compare_as("at most 64 surfels where 7500 were wanted", runtime, &view, &settings, 16, 0.005, 96);
+    uint64_t count = al_runtime_surfels(runtime);
+    CHECK(count > 32 && count <= 64 && runtime->surfels.cloud.size <= 64 * AL_SURFEL_SIZE);
+    CHECK(strstr(plan_row(runtime, "surfels")->why, "larger surfels, to stay below their limit"));
+    al_runtime_destroy(runtime);
+}
+
+/* A new runtime: the same frame, to the last bit. */
+static void test_repeat(void)
+{
+    room r = {.slabs = {grey(0.5f, 0.1f, 0.3f)}, .count = 1};
+    float *same[2][2];
+    for (int i = 0; i < 2; i++) {
+        al_runtime *runtime = open_room(&r);
+        al_view view = look(EDGE, EDGE, front, 1);
+        for (int visibility = 0; visibility < 2; visibility++) {
+            const al_settings settings = {.pass = AL_PASS_SURFACE_SCATTERING, .visibility = visibility > 0};
+            same[i][visibility] = stage_draw(runtime, &view, &settings, 0);
+            CHECK(same[i][visibility] && stage_sum(same[i][visibility], EDGE * EDGE * 3) > 0);
+        }
+        al_runtime_destroy(runtime);
+    }
+    for (int visibility = 0; visibility < 2; visibility++) {
+        CHECK(same[0][visibility] && same[1][visibility] &&
+              !memcmp(same[0][visibility], same[1][visibility], EDGE * EDGE * 3 * sizeof(float)));
+        for (int i = 0; i < 2; i++) free(same[i][visibility]);
+    }
+    printf("| the same frame of two runtimes | the same bytes |\n");
+}
+
+/* 64 lamps in one place are one of their sum, but for rounding; none is black. */
+static void test_lamps(void)
+{
+    room r = {.slabs = {grey(0.5f, 0.1f, 0.3f)}, .count = 1};
+    al_settings still = plain;
+    still.interval_jitter_off = true;
+    still.shadows_off = true; /* maps are coarser the more lamps there are */
+    float *pictures[2];
+    al_runtime *runtime = NULL;
+    for (int i = 0; i < 2; i++) {
+        runtime = open_room(&r);
+        al_view view = look(EDGE, EDGE, front, 1);
+        al_scene *scene = al_runtime_scene(runtime);
+        for (int c = 0; c < 3; c++) scene->lights[0].intensity[c] = i ? 1 : 64;
+        al_light *one = scene->lights, lamps[64];
+        for (int k = 0; k < 64; k++) lamps[k] = *one;
+        if (i) scene->lights = lamps, scene->light_count = 64;
+        pictures[i] = stage_draw(runtime, &view, &still, 0);
+        scene->lights = one;
+        scene->light_count = i ? 0 : 1;
+        if (i) CHECK(check_finite(runtime, &view) == 0);
+        scene->light_count = 1;
+        al_runtime_destroy(runtime);
+    }
+    double worst = 0;
+    for (int i = 0; i < EDGE * EDGE * 3 && pictures[0] && pictures[1]; i++)
+        worst = fmax(worst, fabs(pictures[1][i] - pictures[0][i]) / fmax(pictures[0][i], 1e-30));
+    printf("| 64 lamps in one place; 0 lamps | within %.1g of one of their sum; black |\n", worst);
+    CHECK(pictures[0] && stage_sum(pictures[0], EDGE * EDGE * 3) > 0);
+    CHECK(worst < 64 * 0x1p-23);
+    free(pictures[0]);
+    free(pictures[1]);
+}
+
 int main(void)
 {
     if (!stage_open()) return test_skip("no OpenGL 4.5 context");
@@ -415,5 +619,12 @@ int main(void)
     test_media();
     test_scales();
     test_views();
+    test_tiles();
+    test_sizes();
+    test_nothing();
+    test_eyes();
+    test_limit();
+    test_repeat();
+    test_lamps();
     return test_end();
 }

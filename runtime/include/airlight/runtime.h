@@ -112,7 +112,7 @@ typedef struct al_settings {
     bool scattered_off;      /* lightmaps and probes without the light that the fog scatters onto surfaces */
     uint32_t fog_steps;      /* cells along a ray for each light, 0: 32; 1 to 1024 */
     bool surface_scattering_off; /* no light from surfaces is scattered by the fog: no surfels */
-    float surfel_pixels;     /* radius of a surfel in the picture, 0: 4.6; 0.1 to 1000 */
+    float surfel_pixels;     /* radius of a surfel in the picture, 0: 4.6, at most 1/16 of its edges; 0.1 to 1000 */
     uint32_t surfel_seed;    /* another one places all surfels anew: one for each frame of a mean */
     uint32_t surfel_limit;   /* the most surfels, of which each takes 64 bytes, 0: 2^20; 64 to 2^22; they are coarser
                               * where there would be more */
