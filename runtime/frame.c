@@ -333,6 +333,7 @@ al_status al_runtime_draw(al_runtime *runtime, const al_view *view, const al_set
     GLint drawn_to = 0, read_from = 0, viewport[4];
     if (settings) draw.settings = *settings;
     al_status status = check(view, &draw.settings, error);
+    if (!status) status = al_gl_check_lost(error);
     if (status) return status;
     if (!draw.settings.fog_steps) draw.settings.fog_steps = 32;
     if (!draw.settings.interval_count) draw.settings.interval_count = 16;
@@ -364,5 +365,6 @@ al_status al_runtime_draw(al_runtime *runtime, const al_view *view, const al_set
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)drawn_to);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, (GLuint)read_from);
     glViewport(viewport[0], viewport[1], viewport[2], viewport[3]);
-    return status;
+    al_status lost = al_gl_check_lost(error); /* the cause of whatever else went wrong */
+    return lost ? lost : status;
 }

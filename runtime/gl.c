@@ -33,6 +33,17 @@ static al_status allocation_status(const char *what, uint64_t bytes, al_error *e
                    (unsigned long long)bytes, code);
 }
 
+al_status al_gl_check_lost(al_error *error)
+{
+    const char *why = "for an unknown reason";
+    GLenum code = glGetGraphicsResetStatus();
+    if (code == GL_NO_ERROR) return AL_OK;
+    if (code == GL_GUILTY_CONTEXT_RESET) why = "while it drew for this program";
+    if (code == GL_INNOCENT_CONTEXT_RESET) why = "while it drew for another program";
+    return al_fail(error, AL_NO_DEVICE, "OpenGL: the context is lost, the device was reset %s; start anew with a new context",
+                   why);
+}
+
 static void drop_errors(void)
 {
     for (int i = 0; i < 16 && glGetError() != GL_NO_ERROR; i++) {

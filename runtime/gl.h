@@ -25,6 +25,10 @@ typedef struct al_gl_texture {
     uint64_t bytes;
 } al_gl_texture;
 
+/* AL_NO_DEVICE when the context is lost: nothing drawn since is to be trusted, and all of its objects are gone. Contexts
+ * tell only when they were made with the reset notification strategy LOSE_CONTEXT_ON_RESET. */
+al_status al_gl_check_lost(al_error *error);
+
 /* Zero `size` makes no buffer. AL_IO when GL has no memory left. Contents undefined when data is NULL. */
 al_status al_gl_buffer_create(al_gl_memory *memory, uint64_t size, const void *data, al_gl_buffer *buffer,
                               al_error *error);

@@ -198,8 +198,8 @@ static void fill_state(const al_runtime *runtime, al_load_state *state)
 al_status al_runtime_update(al_runtime *runtime, uint64_t byte_budget, al_load_state *state, al_error *error)
 {
     uint64_t left = byte_budget ? byte_budget : UINT64_MAX;
-    al_status status = AL_OK;
-    if (runtime->loader) al_gl_reset_state();
+    al_status status = al_gl_check_lost(error);
+    if (runtime->loader && !status) al_gl_reset_state();
     while (runtime->loader && left && !status) {
         bool done = false;
         if (!runtime->arriving) {

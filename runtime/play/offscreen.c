@@ -4,6 +4,7 @@
 #include <epoxy/egl.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { DEVICE_LIMIT = 32 };
 
@@ -27,7 +28,12 @@ static const char *try_display(EGLDisplay display, bool debug, al_offscreen *off
                                  EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
                                  EGL_CONTEXT_OPENGL_DEBUG,
                                  debug,
+                                 EGL_CONTEXT_OPENGL_RESET_NOTIFICATION_STRATEGY,
+                                 EGL_LOSE_CONTEXT_ON_RESET,
                                  EGL_NONE};
+    EGLint without[sizeof attributes / sizeof *attributes];
+    memcpy(without, attributes, sizeof without);
+    without[sizeof attributes / sizeof *attributes - 3] = EGL_NONE; /* drivers that do not notify */
     EGLConfig config;
     EGLContext context = EGL_NO_CONTEXT;
     EGLSurface surface = EGL_NO_SURFACE;
@@ -38,7 +44,8 @@ static const char *try_display(EGLDisplay display, bool debug, al_offscreen *off
         failed = "eglBindAPI";
     else if (!open_config(display, &config))
         failed = "eglChooseConfig";
-    else if ((context = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes)) == EGL_NO_CONTEXT)
+    else if ((context = eglCreateContext(display, config, EGL_NO_CONTEXT, attributes)) == EGL_NO_CONTEXT &&
+             (context = eglCreateContext(display, config, EGL_NO_CONTEXT, without)) == EGL_NO_CONTEXT)
         failed = "eglCreateContext";
     else if (!epoxy_has_egl_extension(display, "EGL_KHR_surfaceless_context") &&
              (surface = eglCreatePbufferSurface(display, config, pbuffer)) == EGL_NO_SURFACE)

@@ -339,6 +339,7 @@ static al_status open_window(player *p, al_error *error)
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+    glfwWindowHint(GLFW_CONTEXT_ROBUSTNESS, GLFW_LOSE_CONTEXT_ON_RESET);
     glfwWindowHint(GLFW_OPENGL_DEBUG_CONTEXT, p->program->verbose);
     p->window = glfwCreateWindow(p->options->size[0], p->options->size[1], "airlight", NULL, NULL);
     if (!p->window) {

@@ -611,6 +611,70 @@ static void test_lamps(void)
     free(pictures[1]);
 }
 
+/* Each knob out of its range: refused in a line that names it. */
+static void test_settings(void)
+{
+    const struct {
+        const char *words;
+        al_settings settings;
+    } cases[] = {
+        {"interval knots", {.interval_count = 3}},
+        {"interval knots", {.interval_count = 33}},
+        {"march step", {.march_voxels = NAN}},
+        {"march step", {.march_voxels = 1000}},
+        {"surfels of", {.surfel_pixels = 0.01f}},
+        {"surfels of", {.surfel_pixels = NAN}},
+        {"at most 63 surfels", {.surfel_limit = 63}},
+        {"at most 4194305 surfels", {.surfel_limit = (1 << 22) + 1}},
+        {"shell epsilon", {.shell_epsilon_w_m2_sr = -1}},
+        {"shell epsilon", {.shell_epsilon_w_m2_sr = INFINITY}},
+        {"shell radius", {.shell_radius_m = 1e-7f}},
+        {"8 shell levels", {.shell_levels = 8}},
+        {"number 6 is shown of 6", {.pass = AL_PASS_SHELLS, .shown_level = 6}},
+        {"blur of 5 mips", {.blur_mips = 5}},
+        {"65 steps of the second leg", {.second_leg_steps = 65}},
+        {"bounce of 65 samples", {.bounce_samples = 65}},
+        {"radius 1e+07 m", {.bounce_radius_m = 1e7f}},
+        {"overlap 0.5", {.bounce_overlap = 0.5f}},
+        {"interval weights", {.interval_weights = AL_INTERVAL_WEIGHTS_COUNT}},
+        {"no such pass", {.pass = AL_PASS_COUNT}},
+    };
+    room r = {.slabs = {grey(0.5f, 0.1f, 0.3f)}, .count = 1};
+    al_runtime *runtime = open_room(&r);
+    al_view view = look(EDGE, EDGE, front, 1);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        al_error error = {0};
+        CHECK(al_runtime_draw(runtime, &view, &cases[i].settings, 0, 0, &error) == AL_USAGE);
+        if (!strstr(error.message, cases[i].words)) printf("says: %s\n", error.message);
+        CHECK(strstr(error.message, cases[i].words) && !strchr(error.message, '\n'));
+    }
+    printf("| each of %zu knobs out of its range | refused in one line that names it |\n", sizeof cases / sizeof *cases);
+    al_runtime_destroy(runtime);
+}
+
+static GLenum guilty(void)
+{
+    return GL_GUILTY_CONTEXT_RESET;
+}
+
+/* A context that is lost, as far as its status says: an error, not a picture. */
+static void test_lost(void)
+{
+    room r = {.slabs = {grey(0.5f, 0.1f, 0.3f)}, .count = 1};
+    al_runtime *runtime = open_room(&r);
+    al_view view = look(EDGE, EDGE, front, 1);
+    PFNGLGETGRAPHICSRESETSTATUSPROC before = epoxy_glGetGraphicsResetStatus;
+    al_error error = {0};
+    epoxy_glGetGraphicsResetStatus = guilty;
+    CHECK(al_runtime_draw(runtime, &view, NULL, 0, 0, &error) == AL_NO_DEVICE);
+    CHECK(strstr(error.message, "context is lost"));
+    CHECK(al_runtime_update(runtime, 0, NULL, &error) == AL_NO_DEVICE);
+    epoxy_glGetGraphicsResetStatus = before;
+    printf("| context lost, as glGetGraphicsResetStatus answers | %s |\n", error.message);
+    CHECK(check_finite(runtime, &view) > 0);
+    al_runtime_destroy(runtime);
+}
+
 int main(void)
 {
     if (!stage_open()) return test_skip("no OpenGL 4.5 context");
@@ -626,5 +690,7 @@ int main(void)
     test_limit();
     test_repeat();
     test_lamps();
+    test_settings();
+    test_lost();
     return test_end();
 }

@@ -154,7 +154,8 @@ typedef struct al_view {
  * `depth_texture` (0 for none, GL_DEPTH_COMPONENT32F, same size) holds the host's own opaque geometry: it
  * hides and clips ours. Colour 0 is not cleared then: it is the host's picture, kept where the depth is below
  * 1, seen through our media, and replaced by our background elsewhere. The projection is perspective or
- * orthographic. */
+ * orthographic. AL_NO_DEVICE when the context is lost, which one that was made with the reset notification strategy
+ * LOSE_CONTEXT_ON_RESET tells; al_runtime_update likewise. */
 al_status al_runtime_draw(al_runtime *runtime, const al_view *view, const al_settings *settings,
                           uint32_t framebuffer, uint32_t depth_texture, al_error *error);
 
