@@ -6,7 +6,7 @@
 #include "state.h"
 
 /* Diagonal of the box around all opaque instances, m. */
-static float scene_extent(const al_runtime *runtime)
+float al_bounce_extent(const al_runtime *runtime)
 {
     float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, squared = 0;
     for (uint32_t i = 0; i < runtime->scene.instance_count; i++) {
@@ -22,12 +22,11 @@ static float scene_extent(const al_runtime *runtime)
     return sqrtf(squared);
 }
 
-static al_status fit(al_draw *draw)
+al_status al_bounce_fit(al_draw *draw, const al_shell_block *shells)
 {
     al_runtime *runtime = draw->runtime;
     al_bounce *bounce = &runtime->bounce;
     al_gl_memory *memory = &runtime->memory;
-    const al_shell_block *shells = &runtime->shells.block;
     uint32_t width = (uint32_t)shells->size[0], height = (uint32_t)shells->size[1], levels = (uint32_t)shells->counts[0];
     al_status status = AL_OK;
     if (!bounce->constants.id)
@@ -41,7 +40,6 @@ static al_status fit(al_draw *draw)
     if (!status)
         status = al_gl_texture_fit(memory, GL_TEXTURE_2D_ARRAY, GL_DEPTH_COMPONENT32F, width, height, levels,
                                    &bounce->depths, draw->error);
-    if (!status) status = al_shells_fit_light(draw, 1);
     if (status) return status;
     if (!bounce->framebuffer) glCreateFramebuffers(1, &bounce->framebuffer);
     glNamedFramebufferTexture(bounce->framebuffer, GL_COLOR_ATTACHMENT0, bounce->hits.id, 0);
@@ -79,17 +77,15 @@ static al_status draw_rays(al_draw *draw)
     return AL_OK;
 }
 
-/* The nearest surfel on every ray, level by level. */
-static al_status splat(al_draw *draw)
+al_status al_bounce_splat(al_draw *draw, const al_shell_block *block, const al_gl_texture *span, const char *choice)
 {
     static const GLuint nothing[4] = {0};
     static const float far[1] = {1};
     al_runtime *runtime = draw->runtime;
     al_bounce *bounce = &runtime->bounce;
-    const al_shell_block *block = &runtime->shells.block;
     char defines[64];
     GLuint program;
-    snprintf(defines, sizeof defines, "#define AL_LEVELS %d\n", block->counts[0]);
+    snprintf(defines, sizeof defines, "#define AL_LEVELS %d\n%s", block->counts[0], choice);
     al_status status = al_shaders_get(runtime->shaders, "shell.vert bounce.geom bounce.frag", defines, &program,
                                       draw->error);
     if (status) return status;
@@ -101,9 +97,9 @@ static al_status splat(al_draw *draw)
     glViewport(0, 0, block->size[0], block->size[1]);
     glUseProgram(program);
     al_gl_bind_texture(AL_UNIT_PASS, bounce->rays.id);
-    al_gl_bind_texture(AL_UNIT_PASS + 3, runtime->shells.span.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 3, span->id);
     glEnable(GL_DEPTH_TEST);
-    al_surfels_draw_points(draw);
+    if (draw->needs_surfels) al_surfels_draw_points(draw);
     glDisable(GL_DEPTH_TEST);
     al_timing_end(&runtime->timing);
     return AL_OK;
@@ -134,17 +130,18 @@ al_status al_bounce_medium(al_draw *draw)
 {
     al_runtime *runtime = draw->runtime;
     const al_settings *settings = &draw->settings;
-    float extent = scene_extent(runtime);
+    float extent = al_bounce_extent(runtime);
     al_bounce_block block = {
         .reach = {settings->bounce_radius_m > 0 ? settings->bounce_radius_m : extent / 32, 1e4f * extent,
-                  settings->bounce_overlap, 1e15f},
+                  settings->bounce_overlap > 0 ? settings->bounce_overlap : 3, 1e15f},
         .sample = {0, (int32_t)settings->bounce_samples, settings->bounce_near_off}};
-    al_status status = fit(draw);
+    al_status status = al_bounce_fit(draw, &runtime->shells.block);
+    if (!status) status = al_shells_fit_light(draw, 1);
     for (; block.sample[0] < block.sample[1] && !status; block.sample[0]++) {
         glNamedBufferSubData(runtime->bounce.constants.id, 0, sizeof block, &block);
         glBindBufferBase(GL_UNIFORM_BUFFER, 4, runtime->bounce.constants.id);
         status = draw_rays(draw);
-        if (!status) status = splat(draw);
+        if (!status) status = al_bounce_splat(draw, &runtime->shells.block, &runtime->shells.span, "");
         if (!status) status = add_light(draw);
     }
     return status;
@@ -153,10 +150,12 @@ al_status al_bounce_medium(al_draw *draw)
 void al_bounce_free(al_runtime *runtime)
 {
     al_bounce *bounce = &runtime->bounce;
-    al_gl_texture_free(&runtime->memory, &bounce->rays);
-    al_gl_texture_free(&runtime->memory, &bounce->hits);
-    al_gl_texture_free(&runtime->memory, &bounce->depths);
+    al_gl_texture *const textures[] = {&bounce->rays, &bounce->hits,     &bounce->depths,
+                                       &bounce->span, &bounce->arriving, &bounce->light};
+    for (size_t i = 0; i < sizeof textures / sizeof textures[0]; i++)
+        al_gl_texture_free(&runtime->memory, textures[i]);
     al_gl_buffer_free(&runtime->memory, &bounce->constants);
+    al_gl_buffer_free(&runtime->memory, &bounce->shells);
     if (bounce->framebuffer) glDeleteFramebuffers(1, &bounce->framebuffer);
     memset(bounce, 0, sizeof *bounce);
 }

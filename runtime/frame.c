@@ -45,6 +45,9 @@ static al_status check(const al_view *view, const al_settings *settings, al_erro
         return al_fail(error, AL_USAGE, "settings: bounce of %u samples, radius %g m, overlap %g; use at most 64, 1e-6 to "
                        "1e6 and 1 to 16, or 0", settings->bounce_samples, (double)settings->bounce_radius_m,
                        (double)settings->bounce_overlap);
+    if (settings->bounce_filter > 16 || (settings->occlusion_radius_m != 0 && !in_range(settings->occlusion_radius_m, 1e-6, 1e6)))
+        return al_fail(error, AL_USAGE, "settings: filter of %u pixels, occlusion radius of %g m; use at most 16, 1e-6 to "
+                       "1e6, or 0", settings->bounce_filter, (double)settings->occlusion_radius_m);
     if ((unsigned)settings->interval_weights >= AL_INTERVAL_WEIGHTS_COUNT)
         return al_fail(error, AL_USAGE, "settings: no such interval weights");
     if (settings->fog_steps > 1024)
@@ -154,7 +157,7 @@ static al_status draw_surface_scattering(al_draw *draw)
     al_status status = al_interval_map_run(draw);
     if (status) return status;
     if (pass == AL_PASS_INTERVAL_MAP || pass == AL_PASS_DEPLETION) return al_shells_inspect(draw);
-    status = al_span_run(draw);
+    status = al_span_run(draw, &draw->runtime->shells.block, &draw->runtime->shells.span, "");
     if (!status) status = draw->settings.visibility ? al_bounce_medium(draw) : al_shells_draw(draw);
     if (status) return status;
     if (pass == AL_PASS_SHELLS) return al_shells_inspect(draw);
@@ -184,6 +187,10 @@ static al_status draw_tile(al_draw *draw)
     if (draw->settings.pass == AL_PASS_NORMAL || draw->settings.pass == AL_PASS_DEPTH)
         status = al_inspect_draw(draw);
     if (draw->settings.pass == AL_PASS_SHADOW_MAP) status = al_shells_inspect(draw);
+    if (draw->settings.pass == AL_PASS_AMBIENT_OCCLUSION) {
+        status = al_bounce_surface(draw);
+        return status ? status : al_output_draw(draw);
+    }
     if (!status) status = al_fog_draw(draw);
     if (!status && draw->needs_map) status = draw_surface_scattering(draw);
     for (uint32_t i = 0; i < runtime->scene.translucent_count && !status; i++)
@@ -263,6 +270,7 @@ static bool needs_surfels(const al_draw *draw)
     if (!runtime->model.has_opaque) return false;
     switch (draw->settings.pass) {
     case AL_PASS_SURFELS:
+    case AL_PASS_AMBIENT_OCCLUSION:
         return true;
     case AL_PASS_COMPOSITE:
     case AL_PASS_SURFACE_SCATTERING:
@@ -308,7 +316,7 @@ static al_status draw_frame(al_draw *draw)
     al_fog_prepare(draw);
     draw->needs_surfels = needs_surfels(draw);
     draw->needs_map = runtime->fogs.drawn && (pass == AL_PASS_INTERVAL_MAP || pass == AL_PASS_DEPLETION ||
-                                              (draw->needs_surfels && pass != AL_PASS_SURFELS));
+                                              (draw->needs_surfels && pass != AL_PASS_SURFELS && pass != AL_PASS_AMBIENT_OCCLUSION));
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, runtime->frame_block.id);
     if (shows_level(pass)) draw->settings.visibility = false;
     status = al_shadow_draw(draw);
@@ -340,7 +348,7 @@ al_status al_runtime_draw(al_runtime *runtime, const al_view *view, const al_set
     if (!draw.settings.shell_levels) draw.settings.shell_levels = 6;
     if (!draw.settings.blur_mips) draw.settings.blur_mips = draw.settings.visibility ? 3 : 1;
     if (!draw.settings.bounce_samples) draw.settings.bounce_samples = 4;
-    if (draw.settings.bounce_overlap == 0) draw.settings.bounce_overlap = 3;
+    if (!draw.settings.bounce_filter) draw.settings.bounce_filter = 2;
     if (!draw.settings.second_leg_steps) draw.settings.second_leg_steps = 4;
     if (draw.settings.shell_epsilon_w_m2_sr == 0)
         draw.settings.shell_epsilon_w_m2_sr = 0.06f * exp2f(-runtime->scene.play.exposure_ev);

@@ -73,6 +73,10 @@ const al_plan_row *al_runtime_plan(al_runtime *runtime, uint32_t *count)
         ms[AL_STAGE_SPAN] + ms[AL_STAGE_LEGS] + ms[AL_STAGE_SHELLS] + ms[AL_STAGE_BOUNCE_RAYS] + ms[AL_STAGE_BOUNCE] +
             ms[AL_STAGE_BOUNCE_LIGHT] + ms[AL_STAGE_UNSHUFFLE] + ms[AL_STAGE_BLUR] + ms[AL_STAGE_GATHER],
         al_shells_bytes(runtime));
+    bool occlusion = runtime->bounce.light.id != 0;
+    add(runtime, count, "ambient-occlusion", occlusion,
+        occlusion ? "the pass shows it" : "no light is taken by it unless the pass is shown", 0,
+        al_bounce_surface_bytes(runtime));
     bool sky = al_fog_sky_exists(runtime);
     add(runtime, count, "sky light", sky,
         sky                 ? "fog scatters light of the environment towards the eye"

@@ -14,7 +14,8 @@ const char *al_pass_name(al_pass pass)
     static const char *const names[AL_PASS_COUNT] = {
         "composite", "translucent", "surface",           "normal",             "depth",
         "intervals", "unity",       "direct-scattering", "surface-scattering", "surfels",
-        "interval-map", "depletion", "shells", "unshuffled", "blurred", "shadow-map"};
+        "interval-map", "depletion", "shells", "unshuffled", "blurred", "shadow-map",
+        "ambient-occlusion"};
     return (unsigned)pass < AL_PASS_COUNT ? names[pass] : "unknown";
 }
 

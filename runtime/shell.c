@@ -10,29 +10,30 @@ static uint32_t mip_count(uint32_t width, uint32_t height)
     return count;
 }
 
-/* Start and end of the medium on every ray, and of the nearest and farthest among ever more of them. */
-al_status al_span_run(al_draw *draw)
+al_status al_span_run(al_draw *draw, const al_shell_block *block, al_gl_texture *span, const char *choice)
 {
     al_runtime *runtime = draw->runtime;
     al_shells *shells = &runtime->shells;
-    uint32_t width = (uint32_t)shells->block.size[0], height = (uint32_t)shells->block.size[1],
-             mips = mip_count(width, height);
+    uint32_t width = (uint32_t)block->size[0], height = (uint32_t)block->size[1], mips = mip_count(width, height);
     GLuint programs[2];
+    char defines[64];
     al_status status = al_gl_texture_fit_mips(&runtime->memory, GL_TEXTURE_2D, GL_RG32F, width, height, 1, mips,
-                                              &shells->span, draw->error);
-    for (int i = 0; i < 2 && !status; i++)
-        status = al_shaders_get(runtime->shaders, "span.comp", i ? "" : "#define AL_FIRST\n", &programs[i],
-                                draw->error);
+                                              span, draw->error);
+    for (int i = 0; i < 2 && !status; i++) {
+        snprintf(defines, sizeof defines, "%s%s", choice, i ? "" : "#define AL_FIRST\n");
+        status = al_shaders_get(runtime->shaders, "span.comp", defines, &programs[i], draw->error);
+    }
     if (status) return status;
     al_timing_begin(&runtime->timing, AL_STAGE_SPAN);
     al_gl_bind_texture(AL_UNIT_PASS, shells->steps.id);
     al_gl_bind_texture(AL_UNIT_PASS + 1, shells->ends.id);
-    al_gl_bind_texture(AL_UNIT_PASS + 3, shells->span.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 2, runtime->targets.geometry.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 3, span->id);
     for (uint32_t mip = 0; mip < mips; mip++) {
         uint32_t w = width >> mip ? width >> mip : 1, h = height >> mip ? height >> mip : 1;
         glUseProgram(programs[mip > 0]);
         if (mip) glUniform1i(0, (GLint)mip - 1);
-        glBindImageTexture(0, shells->span.id, (GLint)mip, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32F);
+        glBindImageTexture(0, span->id, (GLint)mip, GL_FALSE, 0, GL_WRITE_ONLY, GL_RG32F);
         glDispatchCompute((w + 7) / 8, (h + 7) / 8, 1);
         glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     }

@@ -142,6 +142,8 @@ typedef struct al_bounce { /* the bounced z-buffer of one tile */
     al_gl_texture rays, hits, depths;
     GLuint framebuffer;
     al_gl_buffer constants;
+    al_gl_texture span, arriving, light; /* from surfaces: their distances' mips; along the rays; samples' sum */
+    al_gl_buffer shells;                 /* likewise */
 } al_bounce;
 
 typedef struct al_light_page { /* of the lightmap */
@@ -309,7 +311,7 @@ typedef struct al_draw {
     bool needs_light;   /* samples are splatted */
     bool needs_shading; /* of opaque surfaces */
     bool needs_map;     /* the view's transmittance interval map */
-    bool needs_surfels; /* surfaces send light into the fog, or the cloud is shown */
+    bool needs_surfels; /* surfaces send light into the fog or hide others, or the cloud is shown */
     uint32_t framebuffer, host_depth;
     al_error *error;
 } al_draw;
@@ -378,10 +380,18 @@ uint64_t al_interval_map_bytes(const al_runtime *runtime);
 uint64_t al_shells_bytes(const al_runtime *runtime); /* what splats onto it and gathers, besides */
 al_status al_shells_draw(al_draw *draw);  /* shell.c: the surfels' shells into the levels */
 al_status al_bounce_medium(al_draw *draw);  /* bounce.c: instead, the light along drawn rays, with what hides it */
+al_status al_bounce_surface(al_draw *draw); /* bounce_surface.c: from seen surfaces, instead of the radiance */
+uint64_t al_bounce_surface_bytes(const al_runtime *runtime); /* beside what the medium's has too */
+float al_bounce_extent(const al_runtime *runtime); /* diagonal of the box around all opaque instances, m */
+al_status al_bounce_fit(al_draw *draw, const al_shell_block *shells);
+/* The nearest surfel on every ray of bounce.rays, level by level; `choice`: defines. */
+al_status al_bounce_splat(al_draw *draw, const al_shell_block *block, const al_gl_texture *span, const char *choice);
 void al_bounce_free(al_runtime *runtime);
 al_status al_legs_run(al_draw *draw); /* legs.c */
 void al_legs_free(al_runtime *runtime);
-al_status al_span_run(al_draw *draw); /* shell.c: by which splats are left out */
+/* shell.c: by which splats are left out, start and end of the medium on every ray, or the surface's distance with
+ * AL_SURFACE as `choice`, and of the nearest and farthest among ever more of them */
+al_status al_span_run(al_draw *draw, const al_shell_block *block, al_gl_texture *span, const char *choice);
 al_status al_shells_fit_light(al_draw *draw, uint32_t layers); /* gather.c: what is blurred and summed */
 al_status al_shells_gather_front(al_draw *draw); /* gather.c: what of it comes from before an object, to its fog's light */
 al_status al_shells_inspect(al_draw *draw); /* composite.c */

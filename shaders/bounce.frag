@@ -3,17 +3,34 @@
 //
 // A surfel whose middle lies in the shell stands for 4^l surfels, so its disc has 2^l times the radius. Nearer ones,
 // which a finer level takes, are tested too, as large as they are there: the same fragment, fewer gaps.
+//
+// AL_SURFACE: the rays begin on surfaces, which surfels stand for too: discs of the own one float a little above the
+// origin where it is curved, and pass through it by rounding where it is flat. A disc that the origin lies on does not
+// count: at most 0.3 of its radius above or below, inside its rim, and turned as the surface by 60 degrees at most. A
+// disc that touches a sphere of radius R is R/2 (r/R)^2 off at its rim: 0.3 r up to r = 0.6 R.
 #extension GL_GOOGLE_include_directive : enable
 #include "frame.glsl"
 #include "bounce.glsl"
 
 layout(binding = 2) uniform sampler2D rays; // direction, distance of the origin; 0: none
+#ifdef AL_SURFACE
+layout(binding = 3) uniform sampler2D geometry; // normal, distance
+#endif
 
 flat in vec4 disc;
 flat in vec3 facing;
 flat in vec4 shell;
 flat in int number;
 layout(location = 0) out uint hit; // number of the surfel, from 1
+
+#ifdef AL_SURFACE
+bool lies_on(ivec2 pixel, vec3 path, float radius2)
+{
+    float height = dot(facing, path), across2 = dot(path, path) - height * height;
+    vec3 normal = texelFetch(geometry, pixel, 0).xyz;
+    return across2 <= radius2 && height * height <= 0.09 * radius2 && abs(dot(normal, facing)) > 0.5;
+}
+#endif
 
 void main()
 {
@@ -35,6 +52,9 @@ void main()
     float t = away / (slope != 0.0 ? slope : 1e-30);
     vec3 off = t * ray.xyz - path;
     if (!(t > 0.0) || !(dot(off, off) <= disc.w * scale)) discard;
+#ifdef AL_SURFACE
+    if (lies_on(pixel, path, disc.w * scale)) discard;
+#endif
     hit = uint(number);
     gl_FragDepth = min(t * t / (bounce_reach.y * bounce_reach.y), 1.0);
 }

@@ -21,7 +21,8 @@ void main()
     Surfel s = surfels[surfel[0]];
     int level = gl_InvocationID;
     vec2 radii = shell_radii(bounce_reach.x, level);
-    radii.y = min(radii.y, bounce_reach.w);
+    float widest = sqrt(s.place.w / 3.14159265 * bounce_reach.z) * float(1 << level);
+    radii.y = min(radii.y, bounce_reach.w + widest); // a disc farther away is hit farther away
     vec4 bounds;
     if (!(radii.x < radii.y) || !splat_bounds(s.place.xyz, radii.y, level, surfel[0], bounds)) return;
     for (int i = 0; i < 4; i++) {

@@ -1,5 +1,5 @@
 // The bounced z-buffer (Nalbach et al. 2015) as its passes share it: one ray per pixel, from a place on the pixel's own
-// ray into a direction; per level of the shells the nearest surfel that it hits.
+// ray into a direction, in the medium or on the surface seen; per level of the shells the nearest surfel that it hits.
 #ifndef AL_BOUNCE_GLSL
 #define AL_BOUNCE_GLSL
 
@@ -7,8 +7,9 @@
 
 layout(std140, binding = 4) uniform Bounce {
     vec4 bounce_reach; // x: radius of the innermost shell in m; y: distance whose square has depth 1, in m; z: what a
-                       // disc's area is multiplied by; w: radius beyond which nothing is looked for in m
-    ivec4 bounce_sample; // x: number of the sample; y: samples a pixel; z: 1 throws near fragments away; w unused
+                       // disc's area is multiplied by; w: distance beyond which nothing is hit in m
+    ivec4 bounce_sample; // x: number of the sample; y: samples a pixel; z: 1 throws near fragments away; w: pixels that the
+                         // light on surfaces is filtered over to each side
 };
 
 // Which sample of the view ray the pixel's ray begins at, and two numbers in [0, 1) for its direction. `pixel`: of the view.

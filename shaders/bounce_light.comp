@@ -6,30 +6,12 @@
 #include "frame.glsl"
 #include "fogs.glsl"
 #include "interval_map.glsl"
-#include "bounce.glsl"
+#include "bounce_hits.glsl"
 #include "surfels.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = 5) uniform usampler2DArray hits;
-layout(binding = 6) uniform sampler2DArray depths;
 layout(binding = 0, rgba32f) uniform image2DArray light;
 layout(binding = 1, rgba32f) readonly uniform image2D rays;
-
-uint nearest_hit(ivec2 pixel, out float distance_m)
-{
-    uint nearest = 0u;
-    float least = 2.0;
-    for (int level = 0; level < shell_counts.x; level++) {
-        ivec3 texel = ivec3(texel_of_pixel(pixel, level), level);
-        float depth = texelFetch(depths, texel, 0).r;
-        uint hit = texelFetch(hits, texel, 0).r;
-        if (hit == 0u || depth >= least) continue;
-        least = depth;
-        nearest = hit;
-    }
-    distance_m = sqrt(least) * bounce_reach.y;
-    return nearest;
-}
 
 void main()
 {

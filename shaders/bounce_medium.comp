@@ -10,6 +10,7 @@
 #include "fogs.glsl"
 #include "interval_map.glsl"
 #include "bounce.glsl"
+#include "turned.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 0, rgba32f) writeonly uniform image2D rays; // direction, distance of the origin; 0: none
@@ -19,15 +20,6 @@ float scattering_cosine(float g, float u)
     if (abs(g) < 1e-3) return 1.0 - 2.0 * u;
     float root = (1.0 - g * g) / (1.0 + g - 2.0 * g * u);
     return clamp((1.0 + g * g - root * root) / (2.0 * g), -1.0, 1.0);
-}
-
-// A unit vector at the cosine from `axis`, turned about it by the share of a full turn (frame: Duff et al. 2017).
-vec3 turned(vec3 axis, float cosine, float turn)
-{
-    float s = axis.z < 0.0 ? -1.0 : 1.0, a = -1.0 / (s + axis.z), b = axis.x * axis.y * a;
-    vec3 x = vec3(1.0 + s * axis.x * axis.x * a, s * b, -s * axis.x), y = vec3(b, s + axis.y * axis.y * a, -axis.y);
-    float sine = sqrt(max(1.0 - cosine * cosine, 0.0)), angle = 2.0 * AL_PI * turn;
-    return axis * cosine + sine * (x * cos(angle) + y * sin(angle));
 }
 
 void main()

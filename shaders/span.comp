@@ -1,12 +1,15 @@
 #version 450 core
 // Where the medium starts at least and ends at most among four texels of the mip below; of the first mip, on the
-// pixel's own ray (AL_FIRST).
+// pixel's own ray (AL_FIRST). AL_SURFACE: instead of the medium, the surface that is seen.
 #extension GL_GOOGLE_include_directive : enable
 #include "interval_map.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 0, rg32f) writeonly uniform image2D above;
 layout(binding = 5) uniform sampler2D interval_span;
+#ifdef AL_SURFACE
+layout(binding = 4) uniform sampler2D geometry; // normal, distance; 0: no surface
+#endif
 layout(location = 0) uniform int mip; // of the four
 
 vec2 span_of(ivec2 place)
@@ -25,7 +28,10 @@ void main()
 {
     ivec2 place = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(place, imageSize(above)))) return;
-#ifdef AL_FIRST
+#if defined(AL_FIRST) && defined(AL_SURFACE)
+    float away = all(lessThan(place, shell_size.zw)) ? texelFetch(geometry, place, 0).w : 0.0;
+    vec2 span = away > 0.0 ? vec2(away) : vec2(1e30, 0.0);
+#elif defined(AL_FIRST)
     vec2 span = span_of(place);
 #else
     ivec2 last = textureSize(interval_span, mip) - 1;

@@ -10,10 +10,11 @@
 /* What the parser writes to before it becomes settings. */
 typedef struct raw_options {
     const char *pass, *view_leg, *scattered, *interval_weights;
-    int samples, sh_order, intervals, fog_steps, shell_levels, shown_level, second_leg_steps, blur, bounce_samples, surfel_limit;
-    double march_step, shell_epsilon, shell_radius, surfel_size, bounce_radius, bounce_overlap;
+    int samples, sh_order, intervals, fog_steps, shell_levels, shown_level, second_leg_steps, blur, bounce_samples, surfel_limit,
+        bounce_filter;
+    double march_step, shell_epsilon, shell_radius, surfel_size, bounce_radius, bounce_overlap, occlusion_radius;
     bool no_surface, no_background, no_clip, no_normalise, no_shadows, no_lod, no_fog, no_surface_scattering,
-        shells_closed, shells_clamped, no_second_leg, blur_plain, visibility, bounce_near_off;
+        shells_closed, shells_clamped, no_second_leg, blur_plain, visibility, bounce_near_off, occlusion_uniform;
 } raw_options;
 
 static int refuse(const al_program *program, const char *format, ...) AL_PRINTF(2, 3);
@@ -110,6 +111,10 @@ static int apply(const al_program *program, const raw_options *raw, al_play_opti
     s->bounce_radius_m = (float)raw->bounce_radius;
     s->bounce_overlap = (float)raw->bounce_overlap;
     s->bounce_near_off = raw->bounce_near_off;
+    s->bounce_filter_off = raw->bounce_filter == 0;
+    s->bounce_filter = raw->bounce_filter > 0 ? (uint32_t)raw->bounce_filter : 0;
+    s->occlusion_radius_m = (float)raw->occlusion_radius;
+    s->occlusion_uniform = raw->occlusion_uniform;
     s->blur_off = raw->blur == 0;
     s->blur_mips = raw->blur > 0 ? (uint32_t)raw->blur : 0;
     s->blur_plain = raw->blur_plain;
@@ -123,7 +128,7 @@ static int apply(const al_program *program, const raw_options *raw, al_play_opti
 
 int al_play_options_parse(al_program *program, int argc, char **argv, al_play_options *options)
 {
-    raw_options raw = {.pass = "composite", .view_leg = "marched", .scattered = "on", .interval_weights = "auto", .blur = -1};
+    raw_options raw = {.pass = "composite", .view_leg = "marched", .scattered = "on", .interval_weights = "auto", .blur = -1, .bounce_filter = -1};
     *options = (al_play_options){.size = {1280, 720}, .exposure_ev = NAN};
     const al_option table[] = {
         {"--headless", NULL, AL_OPTION_FLAG, &options->headless, "render without a display, then end", 0, 0},
@@ -190,6 +195,11 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
          1e6},
         {"--bounce-overlap", "F", AL_OPTION_REAL, &raw.bounce_overlap, "its surfels' areas are multiplied by F (3)", 1, 16},
         {"--bounce-near-off", NULL, AL_OPTION_FLAG, &raw.bounce_near_off, "it throws near fragments away", 0, 0},
+        {"--bounce-filter", "N", AL_OPTION_INT, &raw.bounce_filter,
+         "pixels to each side that --pass ambient-occlusion is filtered over, 0: none (2)", 0, 16},
+        {"--occlusion-radius", "M", AL_OPTION_REAL, &raw.occlusion_radius, "farther surfaces do not occlude, m (no limit)",
+         1e-6, 1e6},
+        {"--occlusion-uniform", NULL, AL_OPTION_FLAG, &raw.occlusion_uniform, "its directions even, not by the cosine", 0, 0},
         {"--blur-plain", NULL, AL_OPTION_FLAG, &raw.blur_plain, "blurs the medium's outline too", 0, 0},
     };
     program->options = table;

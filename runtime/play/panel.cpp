@@ -206,6 +206,23 @@ static void show_surface_scattering(al_settings *s)
     ImGui::Checkbox("blur the medium's outline", &s->blur_plain);
 }
 
+/* Light and openness of seen surfaces, by the bounced z-buffer. */
+static void show_surfaces(al_settings *s)
+{
+    if (!ImGui::CollapsingHeader("ambient occlusion")) return;
+    int samples = (int)(s->bounce_samples ? s->bounce_samples : 4);
+    if (ImGui::SliderInt("directions", &samples, 1, 64)) s->bounce_samples = (uint32_t)samples;
+    float overlap = s->bounce_overlap > 0 ? s->bounce_overlap : 3, radius = s->occlusion_radius_m;
+    if (ImGui::SliderFloat("overlap of discs", &overlap, 1, 16)) s->bounce_overlap = overlap;
+    if (ImGui::InputFloat("radius, m (0: no limit)", &radius) && radius >= 0) s->occlusion_radius_m = radius;
+    int filter = s->bounce_filter_off ? 0 : (int)(s->bounce_filter ? s->bounce_filter : 2);
+    if (ImGui::SliderInt("filter, pixels", &filter, 0, 16)) {
+        s->bounce_filter_off = !filter;
+        s->bounce_filter = (uint32_t)filter;
+    }
+    ImGui::Checkbox("even directions", &s->occlusion_uniform);
+}
+
 static void show_times(const al_panel_state *state)
 {
     if (!ImGui::CollapsingHeader("times", ImGuiTreeNodeFlags_DefaultOpen)) return;
@@ -256,6 +273,7 @@ static void show_panel(al_panel_state *state)
         show_picture(state, scene);
         show_quality(state);
         if (scene->fog_count) show_surface_scattering(state->settings);
+        if (scene->mesh_count) show_surfaces(state->settings);
         show_times(state);
         show_plan(state->runtime);
     }

@@ -1,5 +1,5 @@
-/* The bounced z-buffer with one level and splats as large as the view: on every pixel's ray the same surfel as brute
- * force over all discs, at the same distance. */
+/* The bounced z-buffer with one level and splats as large as the view: on every pixel's ray, from the medium or from a
+ * surface, the same surfel as brute force over all discs, at the same distance. */
 #include <epoxy/gl.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,7 +17,7 @@ typedef struct surfel {
 } surfel;
 
 typedef struct ray {
-    double origin[3], direction[3];
+    double origin[3], direction[3], normal[3]; /* normal 0: from the medium */
 } ray;
 
 static al_runtime *open_scene(const char *folder)
@@ -34,6 +34,8 @@ static al_runtime *open_scene(const char *folder)
     s.scene.baked = (al_baked_light){"", ""};
     sphere_scene_add_floor(&s, 2, (float[3]){0, -0.8f, 0});
     sphere_scene_add_floor(&s, 0.5f, (float[3]){0.3f, -0.1f, 0.2f});
+    sphere_scene_add_floor(&s, 0.25f, (float[3]){-0.3f, -0.5f, 0});
+    s.instances[s.scene.instance_count - 1].mesh = 0;
     sphere_scene_add_light(&s, AL_LIGHT_POINT, (float[3]){0, 0.5f, 0}, 1);
     CHECK(sphere_scene_write(folder, &s));
     CHECK(al_runtime_create(NULL, &runtime, &error) == AL_OK);
@@ -50,7 +52,7 @@ static surfel *read_surfels(const al_runtime *runtime, uint32_t *count)
     return surfels;
 }
 
-static ray pixel_ray(const al_frame_block *frame, uint32_t pixel, const float stored[4])
+static ray pixel_ray(const al_frame_block *frame, uint32_t pixel, const float stored[4], const float normal[4])
 {
     ray r;
     double view[3], length = 0;
@@ -62,8 +64,25 @@ static ray pixel_ray(const al_frame_block *frame, uint32_t pixel, const float st
         r.origin[k] = frame->ray[0][k] + (pixel % EDGE + 0.5) * frame->ray[1][k] +
                       (pixel / EDGE + 0.5) * frame->ray[2][k] + stored[3] * view[k] / sqrt(length);
         r.direction[k] = stored[k];
+        r.normal[k] = normal ? (double)normal[k] : 0;
     }
     return r;
+}
+
+/* The surface that the ray begins on has this disc: bounce.frag's rule. How near to it, relative. */
+static bool lies_on(const ray *r, const surfel *s, double radius2, double *doubt)
+{
+    double height = 0, across2 = 0, turned = 0;
+    for (int k = 0; k < 3; k++) {
+        double path = r->origin[k] - s->place[k];
+        height += s->facing[k] * path;
+        across2 += path * path;
+        turned += s->facing[k] * r->normal[k];
+    }
+    across2 -= height * height;
+    *doubt = fmin(fabs(across2 / radius2 - 1), fabs(height * height / (0.09 * radius2) - 1));
+    *doubt = fmin(*doubt, fabs(fabs(turned) - 0.5));
+    return across2 <= radius2 && height * height <= 0.09 * radius2 && fabs(turned) > 0.5;
 }
 
 /* Distance at which the ray meets the disc of `radius2`, INFINITY where it does not; how near its rim, relative. */
@@ -79,14 +98,17 @@ static double meet(const ray *r, const surfel *s, double radius2, double *rim)
         double off = r->origin[k] + t * r->direction[k] - s->place[k];
         squared += off * off;
     }
+    double doubt;
+    bool own = lies_on(r, s, radius2, &doubt);
     *rim = fabs(squared / radius2 - 1);
-    return t > 0 && squared <= radius2 ? t : INFINITY;
+    if (t > 0 && squared <= radius2 * 1.001) *rim = fmin(*rim, doubt);
+    return t > 0 && squared <= radius2 && !own ? t : INFINITY;
 }
 
-static void check_frame(const al_runtime *runtime, float overlap)
+static void check_frame(const al_runtime *runtime, float overlap, bool surface)
 {
     const al_bounce *bounce = &runtime->bounce;
-    static float rays[EDGE * EDGE][4];
+    static float rays[EDGE * EDGE][4], normals[EDGE * EDGE][4];
     al_frame_block frame;
     al_bounce_block block;
     uint32_t count, width = bounce->hits.width, hits = 0, rims = 0;
@@ -96,13 +118,14 @@ static void check_frame(const al_runtime *runtime, float overlap)
     glGetNamedBufferSubData(runtime->frame_block.id, 0, sizeof frame, &frame);
     glGetNamedBufferSubData(bounce->constants.id, 0, sizeof block, &block);
     glGetTextureImage(bounce->rays.id, 0, GL_RGBA, GL_FLOAT, sizeof rays, rays);
+    glGetTextureImage(runtime->targets.geometry.id, 0, GL_RGBA, GL_FLOAT, sizeof normals, normals);
     glGetTextureImage(bounce->hits.id, 0, GL_RED_INTEGER, GL_UNSIGNED_INT, (GLsizei)(width * bounce->hits.height * 4),
                       numbers);
     glGetTextureImage(bounce->depths.id, 0, GL_DEPTH_COMPONENT, GL_FLOAT, (GLsizei)(width * bounce->hits.height * 4),
                       depths);
     for (uint32_t i = 0; i < EDGE * EDGE; i++) {
         if (rays[i][3] == 0) continue;
-        ray r = pixel_ray(&frame, i, rays[i]);
+        ray r = pixel_ray(&frame, i, rays[i], surface ? normals[i] : NULL);
         uint32_t found = 0, at = i / EDGE * width + i % EDGE;
         double nearest = INFINITY, rim, closest_rim = 1;
         for (uint32_t s = 0; s < count; s++) {
@@ -122,7 +145,7 @@ static void check_frame(const al_runtime *runtime, float overlap)
         if (found && numbers[at]) CHECK_NEAR(depth, nearest, 1e-5 * nearest + 2e-6);
     }
     printf("%u rays hit one of %u discs, %u met a rim\n", hits, count, rims);
-    CHECK(hits > EDGE * EDGE / 8);
+    CHECK(hits > EDGE * EDGE / (surface ? 40 : 8));
     CHECK(rims < EDGE * EDGE / 100);
     free(surfels);
     free(numbers);
@@ -145,7 +168,10 @@ int main(void)
                                 .bounce_samples = 1,
                                 .bounce_overlap = i ? 1 : 4};
         free(stage_draw(runtime, &view, &settings, 0));
-        check_frame(runtime, settings.bounce_overlap);
+        check_frame(runtime, settings.bounce_overlap, false);
+        settings.pass = AL_PASS_AMBIENT_OCCLUSION;
+        free(stage_draw(runtime, &view, &settings, 0));
+        check_frame(runtime, settings.bounce_overlap, true);
     }
     al_runtime_destroy(runtime);
     return test_end();

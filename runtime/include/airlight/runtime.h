@@ -86,6 +86,7 @@ typedef enum al_pass {
     AL_PASS_UNSHUFFLED,   /* that level in the view's order */
     AL_PASS_BLURRED,      /* and blurred, as it is summed */
     AL_PASS_SHADOW_MAP,   /* one layer: a directional light's map or a face of a point light's, depth 0 to 1 */
+    AL_PASS_AMBIENT_OCCLUSION, /* share of the cosine-weighted hemisphere over the seen surface that is open, 0 to 1 */
     AL_PASS_COUNT
 } al_pass;
 const char *al_pass_name(al_pass pass); /* "composite", "translucent", ... */
@@ -127,10 +128,15 @@ typedef struct al_settings {
     bool second_leg_off;         /* no extinction between surfel and medium, as published */
     uint32_t second_leg_steps;   /* through gridded media, 0: 4; 1 to 64 */
     bool visibility;             /* surfaces hide others from the medium, by a bounced z-buffer instead of shells */
+    /* The bounced z-buffer, of the medium and of ambient occlusion. */
     uint32_t bounce_samples;     /* directions a pixel, 0: 4; 1 to 64 */
-    float bounce_radius_m;       /* of its innermost shell, 0: 1/32 of the scene's extent */
+    float bounce_radius_m;       /* of its innermost shell, 0: 1/32 of the scene's extent, from surfaces 1/4 */
     float bounce_overlap;        /* what surfels' areas are multiplied by, 0: 3; 1 to 16 */
     bool bounce_near_off;        /* fragments nearer than their level's shell are thrown away */
+    float occlusion_radius_m;    /* surfaces farther away do not occlude, 0: no limit; 1e-6 to 1e6 */
+    bool occlusion_uniform;      /* its directions are drawn evenly, as published, not by the cosine */
+    bool bounce_filter_off;      /* a pixel takes its own rays alone, from surfaces */
+    uint32_t bounce_filter;      /* pixels to each side whose rays it takes too, 0: 2; 1 to 16 */
     al_interval_weights interval_weights;
     bool interval_jitter_off; /* nothing is drawn at random on the rays */
     bool blur_off;

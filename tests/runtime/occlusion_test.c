@@ -1,0 +1,114 @@
+/* Ambient occlusion against closed forms: a sphere over a plane, and a wall on a plane. A receiver's share of its
+ * cosine-weighted hemisphere that is hidden is
+ *   R^2 H / d^3 by a sphere of radius R whose middle is H over the plane and d away, where all of it is above the plane;
+ *   1/2 (1 - x / sqrt(x^2 + h^2)) by a wall without ends, h high and x away.
+ * Summed over the plane's pixels. A share exp(-3) of the rays passes between discs of three times the area at most, and
+ * none reaches farther than its radius r from the surface it touches: a sphere's to sqrt(R^2 + r^2), a wall's to h + r. So
+ * the sum lies between these two, and three standard deviations of the number of rays that hit. */
+#include <epoxy/gl.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../../runtime/state.h"
+#include "../test.h"
+#include "sphere.h"
+#include "stage.h"
+
+enum { EDGE = 32, SAMPLES = 8 };
+static const double radius = 0.5, height = 0.8, wall = 1;
+/* Of a disc of 1 pixel at 5.2 m, the view's farthest part of a blocker, times sqrt(3). */
+static const double reach = 1.732 * 5.2 * 2 * 0.3093 / EDGE;
+
+static double hidden_by_sphere(const double at[3], double reach_m)
+{
+    double d = sqrt(at[0] * at[0] + height * height + at[2] * at[2]);
+    return (radius * radius + reach_m * reach_m) * height / (d * d * d);
+}
+
+static double hidden_by_wall(const double at[3], double reach_m)
+{
+    double h = wall + reach_m;
+    return at[2] > 0 ? 0.5 * (1 - at[2] / sqrt(at[2] * at[2] + h * h)) : 0;
+}
+
+static bool open_scene(al_runtime *runtime, const char *folder, bool sphere)
+{
+    sphere_scene s;
+    sphere_scene_begin(&s);
+    s.scene.baked = (al_baked_light){"", ""};
+    sphere_scene_add_floor(&s, 6, (float[3]){0, 0, 0});
+    sphere_scene_add_floor(&s, (float)radius, (float[3]){0, (float)height, 0});
+    al_instance *blocker = &s.instances[1];
+    if (sphere)
+        blocker->mesh = 0;
+    else
+        memcpy(blocker->world, (float[16]){20, 0, 0, 0, 0, 0, 1, 0, 0, -(float)wall, 0, 0, 0, (float)wall / 2, 0, 1},
+               sizeof blocker->world);
+    bool good = sphere_scene_write(folder, &s) && stage_load(runtime, folder);
+    sphere_scene_end(&s);
+    return good;
+}
+
+/* Where the pixel's ray meets the plane y = 0. */
+static void place_of(const al_frame_block *frame, uint32_t pixel, double at[3])
+{
+    double x = pixel % EDGE + 0.5, y = pixel / EDGE + 0.5, origin[3], view[3];
+    for (int k = 0; k < 3; k++) {
+        origin[k] = frame->ray[0][k] + x * frame->ray[1][k] + y * frame->ray[2][k];
+        view[k] = frame->ray[3][k] + x * frame->ray[4][k] + y * frame->ray[5][k];
+    }
+    for (int k = 0; k < 3; k++) at[k] = origin[k] - origin[1] / view[1] * view[k];
+}
+
+static void check_hidden(al_runtime *runtime, const al_settings *settings, double (*truth)(const double[3], double))
+{
+    static float geometry[EDGE * EDGE][4];
+    al_view view = stage_look(EDGE, EDGE, (float[3]){0, 3, 4}, (float[3]){0, 0.3f, 0.8f}, 0.6f);
+    al_frame_block frame;
+    float *pixels = stage_draw(runtime, &view, settings, 0);
+    double hidden = 0, expected = 0, most = 0;
+    CHECK(pixels != NULL);
+    if (!pixels) return;
+    CHECK(!stage_bad(pixels, EDGE * EDGE * 3));
+    glGetNamedBufferSubData(runtime->frame_block.id, 0, sizeof frame, &frame);
+    glGetTextureImage(runtime->targets.geometry.id, 0, GL_RGBA, GL_FLOAT, sizeof geometry, geometry);
+    for (uint32_t i = 0; i < EDGE * EDGE; i++) {
+        double at[3];
+        if (geometry[i][1] < 0.999f) continue;
+        place_of(&frame, i, at);
+        hidden += 1 - (double)pixels[3 * i];
+        expected += truth(at, 0);
+        most += truth(at, reach);
+    }
+    free(pixels);
+    double noise = 3 / sqrt(SAMPLES * expected) * expected;
+    printf("hidden %.4f of the closed form, %.4f with the discs' reach; noise %.4f\n", hidden / expected,
+           hidden / most, noise / expected);
+    CHECK(hidden > expected * (1 - exp(-3)) - noise);
+    CHECK(hidden < most + noise);
+}
+
+int main(void)
+{
+    if (!stage_open()) return test_skip("no OpenGL 4.5 context");
+    const char *folder = stage_folder();
+    al_runtime *runtime = NULL;
+    al_error error = {0};
+    CHECK(folder != NULL);
+    if (!folder) return test_end();
+    CHECK(al_runtime_create(NULL, &runtime, &error) == AL_OK);
+    al_settings settings = {.pass = AL_PASS_AMBIENT_OCCLUSION, .surfel_pixels = 1, .bounce_samples = SAMPLES};
+    for (int sphere = 0; sphere < 2; sphere++) {
+        CHECK(open_scene(runtime, folder, sphere));
+        double (*truth)(const double[3], double) = sphere ? hidden_by_sphere : hidden_by_wall;
+        for (int i = 0; i < 3; i++) {
+            settings.occlusion_uniform = i == 1;
+            settings.bounce_filter_off = i < 2;
+            settings.shell_levels = i == 2 ? 6 : 1;
+            check_hidden(runtime, &settings, truth);
+        }
+    }
+    al_runtime_destroy(runtime);
+    return test_end();
+}
