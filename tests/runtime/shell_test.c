@@ -104,7 +104,8 @@ static const struct {
  * that meet, marched, the same but for the fog that a cell across the joint blends: nothing, both are alike. */
 static void check_oracle(void)
 {
-    const al_settings settings = {.pass = AL_PASS_SURFACE_SCATTERING, .interval_jitter_off = true};
+    const al_settings settings = {
+        .pass = AL_PASS_SURFACE_SCATTERING, .interval_jitter_off = true, .surfel_pixels = 4.6f};
     for (int row = 0; row < 2; row++)
         for (uint32_t parts = 1; parts <= 2; parts++) {
             float sigma = (float)oracle[row].sigma_t, start = (float)oracle[row].start,
@@ -131,7 +132,8 @@ static void check_oracle(void)
  * second slab must not move: half a unit of a 255th of the gap, as everywhere. */
 static void check_gap(void)
 {
-    const al_settings settings = {.pass = AL_PASS_SURFACE_SCATTERING, .interval_jitter_off = true};
+    const al_settings settings = {
+        .pass = AL_PASS_SURFACE_SCATTERING, .interval_jitter_off = true, .surfel_pixels = 4.6f};
     const slab slabs[2] = {{0, 0.01f, 3, {30, 30, 30}, {0, 0, 0}, 0}, {-10, -9.99f, 3, {30, 30, 30}, {0, 0, 0}, 0}};
     al_runtime *runtime = open_slabs(slabs, 2, (float[3]){0, 0.5f, 0});
     al_view view = stage_look(MAP_EDGE, MAP_EDGE, (float[3]){0, 0, 3}, (float[3]){0, 0, 0}, 0.01f);
@@ -434,7 +436,7 @@ static void check_object(void)
         CHECK(al_runtime_create(NULL, &runtime, &error) == AL_OK && stage_load(runtime, folder));
         sphere_scene_end(&s);
         al_settings settings = {.pass = AL_PASS_SURFACE_SCATTERING, .interval_jitter_off = true, .blur_off = true,
-                                .shell_radius_m = 4, .shadows_off = true};
+                                .shell_radius_m = 4, .shadows_off = true, .surfel_pixels = 4.6f};
         al_view view = stage_look(MAP_EDGE, MAP_EDGE, (float[3]){0, 0, 3}, (float[3]){0, 0, 0}, 0.01f);
         float *with = stage_draw(runtime, &view, &settings, 0);
         interval_map map = read_map(runtime);
