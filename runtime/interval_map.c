@@ -86,6 +86,8 @@ al_status al_shells_prepare(al_draw *draw)
         .blur = {settings->blur_off ? -1 : (int32_t)settings->blur_mips, !settings->blur_plain,
                  settings->shells_clamped, settings->interval_jitter_off}};
     shells->weighing = settings->interval_weights;
+    if (shells->weighing == AL_INTERVAL_WEIGHTS_COEFFICIENTS && settings->visibility)
+        shells->weighing = AL_INTERVAL_WEIGHTS_AUTO; /* rays are drawn among samples of equal weight */
     if (shells->weighing == AL_INTERVAL_WEIGHTS_COEFFICIENTS)
         mean_medium(fogs, block->medium);
     else if (!one_medium(fogs, block->medium))

@@ -94,7 +94,8 @@ const char *al_pass_name(al_pass pass); /* "composite", "translucent", ... */
 typedef enum al_interval_weights { /* what the view's transmittance interval map stores of the media */
     AL_INTERVAL_WEIGHTS_AUTO = 0,     /* nothing where extinction is grey and one albedo and g hold for all; else: */
     AL_INTERVAL_WEIGHTS_COLOURED,     /* per sample a weight of each channel, and one of the media */
-    AL_INTERVAL_WEIGHTS_COEFFICIENTS, /* scattering coefficients, as published: grey media of one g */
+    AL_INTERVAL_WEIGHTS_COEFFICIENTS, /* scattering coefficients, as published: grey media of one g;
+                                       * with visibility as AUTO */
     AL_INTERVAL_WEIGHTS_COUNT
 } al_interval_weights;
 
