@@ -35,7 +35,7 @@ void main()
     float t = ends.x;
     for (int k = 0; k <= drawn; k++) {
         if ((k & 15) == 0) words = texelFetch(interval_steps, ivec3(pixel, k >> 4), 0);
-        t += interval_byte(words, k) * ends.y;
+        t += interval_step(words, k) * ends.y;
     }
     float g = shell_medium.w;
 #ifdef AL_WEIGHTS

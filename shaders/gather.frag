@@ -18,7 +18,7 @@ float share_before(ivec2 pixel, float distance_m)
     float t = ends.x;
     for (int k = 0; k < shell_counts.y; k++) {
         if ((k & 15) == 0) words = texelFetch(interval_steps, ivec3(pixel, k >> 4), 0);
-        float step = interval_byte(words, k) * ends.y;
+        float step = interval_step(words, k) * ends.y;
         if (t + step > distance_m)
             return (float(k) + clamp((distance_m - t) / max(step, 1e-30), 0.0, 1.0)) / float(shell_counts.y);
         t += step;

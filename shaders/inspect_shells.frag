@@ -32,7 +32,7 @@ void main()
     float t = ends.x;
     for (int k = 0; k < shell_counts.y; k++) {
         if ((k & 15) == 0) words = texelFetch(interval_steps, ivec3(pixel, k >> 4), 0);
-        t += interval_byte(words, k) * ends.y;
+        t += interval_step(words, k) * ends.y;
         if (k == 0) value.r = t;
         if (2 * k <= shell_counts.y) value.g = t;
         value.b = t;

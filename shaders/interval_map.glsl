@@ -1,5 +1,5 @@
-// The view's transmittance interval map, as its readers see it. Per pixel and sample one byte: the distance from
-// the sample before (the first one: from where the medium starts) in units of the pixel.
+// The view's transmittance interval map, as its readers see it. Per pixel and sample one byte: its square is the distance
+// from the sample before (the first one: from where the medium starts) in units of the pixel.
 #ifndef AL_INTERVAL_MAP_GLSL
 #define AL_INTERVAL_MAP_GLSL
 
@@ -17,6 +17,12 @@ layout(binding = 4) uniform usampler2DArray interval_coefficients; // 16 samples
 float interval_byte(uvec4 words, int k)
 {
     return float(words[(k >> 2) & 3] >> uint(8 * (k & 3)) & 255u);
+}
+
+float interval_step(uvec4 words, int k)
+{
+    float root = interval_byte(words, k);
+    return root * root;
 }
 
 #endif

@@ -54,7 +54,7 @@ void main()
             values = texelFetch(interval_coefficients, ivec3(pixel, k >> 4), 0);
 #endif
         }
-        t += interval_byte(words, k) * ends.y;
+        t += interval_step(words, k) * ends.y;
 #ifdef AL_COEFFICIENTS
         float length_m = t - before;
         before = t;

@@ -19,7 +19,7 @@ vec2 span_of(ivec2 place)
     float t = ends.x;
     for (int k = 0; k < shell_counts.y;) {
         uvec4 words = texelFetch(interval_steps, ivec3(place, k >> 4), 0);
-        for (int j = 0; j < 16 && k < shell_counts.y; j++, k++) t += interval_byte(words, j) * ends.y;
+        for (int j = 0; j < 16 && k < shell_counts.y; j++, k++) t += interval_step(words, j) * ends.y;
     }
     return vec2(ends.x, t);
 }
