@@ -66,3 +66,22 @@ scene 2 1000000 32 >"$folder/scene.json"
     --stats "$folder/stats.json"
 echo "| first picture | $(number first_picture_ms "$folder/stats.json") ms |"
 echo "| last sample | $(number last_sample_ms "$folder/stats.json") ms |"
+
+echo "## Surfaces into fog: a switch's frame over the default's, 400 x 300"
+if [ -f "${AIRLIGHT_SHARED:-../shared}/data/scenes/tim_cornell/cornell.obj" ]; then
+    "$bin/airlight-bake" build/tests/scenes/cornell_smoke.json -o "$folder/smoke" --quiet
+    frame() { # OPTIONS...: median ms of a frame
+        "$bin/airlight-play" "$folder/smoke" --headless --quiet --size 400x300 --frames 7 --pass surface-scattering \
+            --stats "$folder/stats.json" "$@"
+        number frame_ms_median "$folder/stats.json"
+    }
+    for options in --no-second-leg "--second-leg-steps 16" "--interval-weights coloured" "--interval-weights coefficients" \
+        --visibility "--visibility --bounce-samples 1" "--visibility --no-second-leg"; do
+        default=$(frame)
+        # shellcheck disable=SC2086
+        echo "| $options | $(awk "BEGIN { printf \"%.2f\", $(frame $options) / $default }") |"
+    done
+    "$bin/airlight-bench-scattering" "$folder/smoke" tests/runtime 400 300 3 20
+else
+    echo "SKIP: no Cornell box"
+fi
