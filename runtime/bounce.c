@@ -77,7 +77,8 @@ static al_status draw_rays(al_draw *draw)
     return AL_OK;
 }
 
-al_status al_bounce_splat(al_draw *draw, const al_shell_block *block, const al_gl_texture *span, const char *choice)
+al_status al_bounce_splat(al_draw *draw, al_stage stage, const al_shell_block *block, const al_gl_texture *span,
+                          const char *choice)
 {
     static const GLuint nothing[4] = {0};
     static const float far[1] = {1};
@@ -89,7 +90,7 @@ al_status al_bounce_splat(al_draw *draw, const al_shell_block *block, const al_g
     al_status status = al_shaders_get(runtime->shaders, "shell.vert bounce.geom bounce.frag", defines, &program,
                                       draw->error);
     if (status) return status;
-    al_timing_begin(&runtime->timing, AL_STAGE_BOUNCE);
+    al_timing_begin(&runtime->timing, stage);
     glBindFramebuffer(GL_FRAMEBUFFER, bounce->framebuffer);
     glDisable(GL_SCISSOR_TEST);
     glClearNamedFramebufferuiv(bounce->framebuffer, GL_COLOR, 0, nothing);
@@ -141,7 +142,7 @@ al_status al_bounce_medium(al_draw *draw)
         glNamedBufferSubData(runtime->bounce.constants.id, 0, sizeof block, &block);
         glBindBufferBase(GL_UNIFORM_BUFFER, 4, runtime->bounce.constants.id);
         status = draw_rays(draw);
-        if (!status) status = al_bounce_splat(draw, &runtime->shells.block, &runtime->shells.span, "");
+        if (!status) status = al_bounce_splat(draw, AL_STAGE_BOUNCE, &runtime->shells.block, &runtime->shells.span, "");
         if (!status) status = add_light(draw);
     }
     return status;

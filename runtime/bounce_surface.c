@@ -1,10 +1,14 @@
-/* The bounced z-buffer from seen surfaces: ambient occlusion. Rays begin on the surface target's places. */
+/* The bounced z-buffer from seen surfaces: rays, a carrier that finds what they hit, what arrives from there, and the filter
+ * over the pixels around, sample by sample. Ambient occlusion and light of one bounce. */
+#include <stdio.h>
+
 #include "state.h"
 
-/* Levels padded so that every block is whole; the outermost shell is open. */
+/* Levels padded so that every block is whole, as the medium's; the outermost shell is open. */
 static al_shell_block shell_block(const al_draw *draw)
 {
-    int32_t levels = (int32_t)draw->settings.shell_levels, edge = 1 << (levels - 1);
+    int32_t levels = (int32_t)draw->settings.shell_levels, blur = (int32_t)draw->settings.blur_mips,
+            edge = 1 << (levels - 1 > blur ? levels - 1 : blur);
     al_shell_block block = {.counts = {levels, 1, (int32_t)draw->runtime->frame_number, 0}, .reach = {0, 0, 0, 1}};
     for (int k = 0; k < 2; k++) {
         block.size[k] = (draw->tile[2 + k] + edge - 1) / edge * edge;
@@ -14,14 +18,15 @@ static al_shell_block shell_block(const al_draw *draw)
 }
 
 /* Discs of the walls' own area cover it as points at random would: a share exp(-overlap) of the rays passes. */
-static al_bounce_block bounce_block(const al_draw *draw)
+static al_bounce_block bounce_block(const al_draw *draw, al_bounce_effect effect)
 {
     const al_settings *settings = &draw->settings;
     float extent = draw->needs_surfels ? al_bounce_extent(draw->runtime) : 1;
+    bool near = effect == AL_BOUNCE_OCCLUSION && settings->occlusion_radius_m > 0;
     return (al_bounce_block){
         .reach = {settings->bounce_radius_m > 0 ? settings->bounce_radius_m : extent / 4, 1e4f * extent,
                   settings->bounce_overlap > 0 ? settings->bounce_overlap : 3,
-                  settings->occlusion_radius_m > 0 ? settings->occlusion_radius_m : 1e15f},
+                  near ? settings->occlusion_radius_m : 1e15f},
         .sample = {0, (int32_t)settings->bounce_samples, settings->bounce_near_off,
                    settings->bounce_filter_off ? 0 : (int32_t)settings->bounce_filter}};
 }
@@ -40,7 +45,21 @@ static al_status fit(al_draw *draw, const al_shell_block *block)
     return status;
 }
 
-/* One of the three steps of a sample, each a thread per pixel of the tile. */
+/* Of shaders that know how the surface receives. */
+static const char *receiver_define(const al_draw *draw, al_bounce_effect effect)
+{
+    if (effect == AL_BOUNCE_INDIRECT) return "#define AL_INDIRECT\n";
+    return draw->settings.occlusion_uniform ? "#define AL_UNIFORM\n" : "";
+}
+
+static void bind_surfaces(const al_runtime *runtime, GLuint first)
+{
+    al_gl_bind_texture(AL_UNIT_PASS, first);
+    al_gl_bind_texture(AL_UNIT_PASS + 1, runtime->targets.geometry.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 2, runtime->targets.material.id);
+}
+
+/* One of the steps of a sample, a thread per pixel of the tile. */
 static al_status run(al_draw *draw, al_stage stage, const char *shader, const char *defines)
 {
     al_runtime *runtime = draw->runtime;
@@ -50,8 +69,7 @@ static al_status run(al_draw *draw, al_stage stage, const char *shader, const ch
     if (status) return status;
     al_timing_begin(&runtime->timing, stage);
     glUseProgram(program);
-    al_gl_bind_texture(AL_UNIT_PASS, bounce->rays.id);
-    al_gl_bind_texture(AL_UNIT_PASS + 1, runtime->targets.geometry.id);
+    bind_surfaces(runtime, bounce->rays.id);
     al_gl_bind_texture(AL_UNIT_PASS + 3, bounce->hits.id);
     al_gl_bind_texture(AL_UNIT_PASS + 4, bounce->depths.id);
     glBindImageTexture(0, bounce->rays.id, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
@@ -63,35 +81,65 @@ static al_status run(al_draw *draw, al_stage stage, const char *shader, const ch
     return AL_OK;
 }
 
-static al_status splat(al_draw *draw, const al_shell_block *block)
+/* The carrier: fills bounce.hits and .depths. */
+static al_status find_hits(al_draw *draw, al_stage stage, const al_shell_block *block)
 {
     al_runtime *runtime = draw->runtime;
     al_gl_bind_texture(AL_UNIT_PASS + 1, runtime->targets.geometry.id);
-    return al_bounce_splat(draw, block, &runtime->bounce.span, "#define AL_SURFACE\n");
+    return al_bounce_splat(draw, stage, block, &runtime->bounce.span, "#define AL_SURFACE\n");
 }
 
-static al_status show(al_draw *draw)
+static al_status arrive(al_draw *draw, al_stage stage, al_bounce_effect effect)
+{
+    const al_settings *settings = &draw->settings;
+    char defines[96] = "";
+    if (effect == AL_BOUNCE_INDIRECT)
+        snprintf(defines, sizeof defines, "#define AL_INDIRECT\n%s%s",
+                 settings->indirect_lambert ? "" : settings->shadows_off ? "#define AL_GLOSSY\n"
+                                                                         : "#define AL_GLOSSY\n#define AL_SHADOWS\n",
+                 al_fog_define(draw));
+    return run(draw, stage, "bounce_arrive.comp", defines);
+}
+
+static al_status take_sample(al_draw *draw, al_bounce_effect effect, const al_shell_block *shells)
+{
+    al_stage stage = effect == AL_BOUNCE_INDIRECT ? AL_STAGE_INDIRECT_RAYS : AL_STAGE_OCCLUSION_RAYS;
+    const char *receiver = receiver_define(draw, effect);
+    al_status status = run(draw, stage, "bounce_surface.comp", receiver);
+    if (!status) status = find_hits(draw, stage + 1, shells);
+    if (!status) status = arrive(draw, stage + 2, effect);
+    return status ? status : run(draw, stage + 3, "bounce_filter.comp", receiver);
+}
+
+/* Adds the mean of the samples to the radiance. */
+static al_status add(al_draw *draw, al_bounce_effect effect)
 {
     al_runtime *runtime = draw->runtime;
     GLuint program;
-    al_status status = al_shaders_get(runtime->shaders, "fullscreen.vert bounce_show.frag", "", &program, draw->error);
+    const char *defines = effect == AL_BOUNCE_OCCLUSION && draw->needs_shading ? "#define AL_AMBIENT\n"
+                          : draw->settings.pass == AL_PASS_INDIRECT            ? al_fog_define(draw)
+                                                                               : "";
+    al_status status = al_shaders_get(runtime->shaders, "fullscreen.vert bounce_show.frag", defines, &program,
+                                      draw->error);
     if (status) return status;
     glBindFramebuffer(GL_FRAMEBUFFER, runtime->targets.radiance_framebuffer);
+    glDisable(GL_SCISSOR_TEST);
     glViewport(0, 0, draw->tile[2], draw->tile[3]);
     glUseProgram(program);
-    al_gl_bind_texture(AL_UNIT_PASS, runtime->bounce.light.id);
+    bind_surfaces(runtime, runtime->bounce.light.id);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE);
     glBindVertexArray(runtime->empty_vertex_array);
     glDrawArrays(GL_TRIANGLES, 0, 3);
+    glDisable(GL_BLEND);
     return AL_OK;
 }
 
-al_status al_bounce_surface(al_draw *draw)
+al_status al_bounce_surface(al_draw *draw, al_bounce_effect effect)
 {
-    al_runtime *runtime = draw->runtime;
-    al_bounce *bounce = &runtime->bounce;
+    al_bounce *bounce = &draw->runtime->bounce;
     const al_shell_block shells = shell_block(draw);
-    al_bounce_block block = bounce_block(draw);
-    const char *choice = draw->settings.occlusion_uniform ? "#define AL_UNIFORM\n" : "";
+    al_bounce_block block = bounce_block(draw, effect);
     al_status status = fit(draw, &shells);
     if (status) return status;
     glNamedBufferSubData(bounce->shells.id, 0, sizeof shells, &shells);
@@ -100,12 +148,9 @@ al_status al_bounce_surface(al_draw *draw)
     for (; block.sample[0] < block.sample[1] && !status; block.sample[0]++) {
         glNamedBufferSubData(bounce->constants.id, 0, sizeof block, &block);
         glBindBufferBase(GL_UNIFORM_BUFFER, 4, bounce->constants.id);
-        status = run(draw, AL_STAGE_BOUNCE_RAYS, "bounce_surface.comp", choice);
-        if (!status) status = splat(draw, &shells);
-        if (!status) status = run(draw, AL_STAGE_BOUNCE_LIGHT, "bounce_arrive.comp", "");
-        if (!status) status = run(draw, AL_STAGE_BOUNCE_LIGHT, "bounce_filter.comp", "");
+        status = take_sample(draw, effect, &shells);
     }
-    return status ? status : show(draw);
+    return status ? status : add(draw, effect);
 }
 
 uint64_t al_bounce_surface_bytes(const al_runtime *runtime)

@@ -151,6 +151,11 @@ static bool shows_level(al_pass pass)
     return pass == AL_PASS_SHELLS || pass == AL_PASS_UNSHUFFLED || pass == AL_PASS_BLURRED;
 }
 
+static bool shows_effect(al_pass pass)
+{
+    return pass == AL_PASS_AMBIENT_OCCLUSION || pass == AL_PASS_INDIRECT;
+}
+
 static al_status draw_surface_scattering(al_draw *draw)
 {
     al_pass pass = draw->settings.pass;
@@ -187,10 +192,9 @@ static al_status draw_tile(al_draw *draw)
     if (draw->settings.pass == AL_PASS_NORMAL || draw->settings.pass == AL_PASS_DEPTH)
         status = al_inspect_draw(draw);
     if (draw->settings.pass == AL_PASS_SHADOW_MAP) status = al_shells_inspect(draw);
-    if (draw->settings.pass == AL_PASS_AMBIENT_OCCLUSION) {
-        status = al_bounce_surface(draw);
-        return status ? status : al_output_draw(draw);
-    }
+    for (int i = 0; i < AL_BOUNCE_EFFECTS && !status; i++)
+        if (draw->effects[i]) status = al_bounce_surface(draw, (al_bounce_effect)i);
+    if (shows_effect(draw->settings.pass)) return status ? status : al_output_draw(draw);
     if (!status) status = al_fog_draw(draw);
     if (!status && draw->needs_map) status = draw_surface_scattering(draw);
     for (uint32_t i = 0; i < runtime->scene.translucent_count && !status; i++)
@@ -263,25 +267,50 @@ static al_status draw_tiles(al_draw *draw)
     return status;
 }
 
-/* Surfaces send light into the fog; or the cloud is to be seen. */
-static bool needs_surfels(const al_draw *draw)
+static bool surfaces_send(const al_runtime *runtime)
 {
-    const al_runtime *runtime = draw->runtime;
-    if (!runtime->model.has_opaque) return false;
+    return runtime->model.has_opaque && (runtime->scene.light_count || runtime->model.has_emission);
+}
+
+/* Surfaces send light into the fog. */
+static bool sends_into_fog(const al_draw *draw)
+{
+    if (!draw->runtime->fogs.drawn || draw->settings.surface_scattering_off || !surfaces_send(draw->runtime))
+        return false;
     switch (draw->settings.pass) {
-    case AL_PASS_SURFELS:
-    case AL_PASS_AMBIENT_OCCLUSION:
-        return true;
     case AL_PASS_COMPOSITE:
     case AL_PASS_SURFACE_SCATTERING:
     case AL_PASS_SHELLS:
     case AL_PASS_UNSHUFFLED:
     case AL_PASS_BLURRED:
-        return runtime->fogs.drawn && !draw->settings.surface_scattering_off &&
-               (runtime->scene.light_count || runtime->model.has_emission);
+        return true;
     default:
         return false;
     }
+}
+
+/* An opaque surface has no baked light. */
+static bool any_dynamic(const al_runtime *runtime)
+{
+    for (uint32_t i = 0; i < runtime->scene.instance_count; i++)
+        if (runtime->scene.instances[i].role == AL_ROLE_OPAQUE &&
+            al_instance_lighting(runtime, i) == AL_LIGHTING_DYNAMIC)
+            return true;
+    return false;
+}
+
+static void choose_effects(al_draw *draw)
+{
+    const al_runtime *runtime = draw->runtime;
+    const al_settings *settings = &draw->settings;
+    bool composite = settings->pass == AL_PASS_COMPOSITE, receives = any_dynamic(runtime);
+    bool ambient = composite && settings->ambient_occlusion && receives &&
+                   al_environment_exists(&runtime->scene.environment);
+    bool indirect = settings->pass == AL_PASS_INDIRECT || (composite && settings->indirect);
+    draw->effects[AL_BOUNCE_OCCLUSION] = ambient || settings->pass == AL_PASS_AMBIENT_OCCLUSION;
+    draw->effects[AL_BOUNCE_INDIRECT] = indirect && receives && surfaces_send(runtime);
+    draw->needs_material = ambient || draw->effects[AL_BOUNCE_INDIRECT];
+    memcpy(draw->runtime->bounce.ran, draw->effects, sizeof draw->effects);
 }
 
 /* How many levels or layers the pass can show one of. */
@@ -314,9 +343,12 @@ static al_status draw_frame(al_draw *draw)
     al_gl_bind_texture(AL_UNIT_SHADOW, 0);
     al_objects_prepare(draw);
     al_fog_prepare(draw);
-    draw->needs_surfels = needs_surfels(draw);
-    draw->needs_map = runtime->fogs.drawn && (pass == AL_PASS_INTERVAL_MAP || pass == AL_PASS_DEPLETION ||
-                                              (draw->needs_surfels && pass != AL_PASS_SURFELS && pass != AL_PASS_AMBIENT_OCCLUSION));
+    choose_effects(draw);
+    bool into_fog = sends_into_fog(draw);
+    draw->needs_surfels = runtime->model.has_opaque && (pass == AL_PASS_SURFELS || into_fog ||
+                                                        draw->effects[AL_BOUNCE_OCCLUSION] ||
+                                                        draw->effects[AL_BOUNCE_INDIRECT]);
+    draw->needs_map = into_fog || (runtime->fogs.drawn && (pass == AL_PASS_INTERVAL_MAP || pass == AL_PASS_DEPLETION));
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, runtime->frame_block.id);
     if (shows_level(pass)) draw->settings.visibility = false;
     status = al_shadow_draw(draw);

@@ -26,6 +26,40 @@ static void add(al_runtime *runtime, uint32_t *count, const char *step, bool nee
     runtime->plan[(*count)++] = (al_plan_row){step, needed, why, needed ? ms * 1e-3 : 0, needed ? bytes : 0};
 }
 
+static double effect_ms(const al_runtime *runtime, al_stage first)
+{
+    const double *ms = runtime->timing.ms + first;
+    return ms[0] + ms[1] + ms[2] + ms[3];
+}
+
+/* What seen surfaces get from others, as the last frame was asked. */
+static void add_effects(al_runtime *runtime, uint32_t *count)
+{
+    const al_scene *scene = &runtime->scene;
+    const bool *ran = runtime->bounce.ran;
+    bool baked = false, dynamic = false;
+    for (uint32_t i = 0; i < scene->instance_count; i++) {
+        if (scene->instances[i].role != AL_ROLE_OPAQUE) continue;
+        bool lit = al_instance_lighting(runtime, i) == AL_LIGHTING_DYNAMIC;
+        dynamic = dynamic || lit;
+        baked = baked || !lit;
+    }
+    uint64_t bytes = al_bounce_surface_bytes(runtime);
+    add(runtime, count, "ambient-occlusion", ran[AL_BOUNCE_OCCLUSION],
+        ran[AL_BOUNCE_OCCLUSION] ? baked ? "asked for; baked light knows what hides it, and is left alone" : "asked for"
+        : !al_environment_exists(&scene->environment) ? "no environment light to hide"
+        : !dynamic                                     ? "no opaque surface without baked light"
+                                                       : "on request",
+        effect_ms(runtime, AL_STAGE_OCCLUSION_RAYS), bytes);
+    add(runtime, count, "indirect", ran[AL_BOUNCE_INDIRECT],
+        ran[AL_BOUNCE_INDIRECT] ? baked ? "asked for; surfaces with baked light hold it already, and get none twice" : "asked for"
+        : !dynamic                                              ? "no opaque surface without baked light"
+        : !scene->light_count && !runtime->model.has_emission ? "no light and no emission"
+                                                                : "on request",
+        effect_ms(runtime, AL_STAGE_INDIRECT_RAYS),
+        (ran[AL_BOUNCE_OCCLUSION] ? 0 : bytes) + runtime->targets.material.bytes);
+}
+
 const al_plan_row *al_runtime_plan(al_runtime *runtime, uint32_t *count)
 {
     const al_scene *scene = &runtime->scene;
@@ -58,13 +92,15 @@ const al_plan_row *al_runtime_plan(al_runtime *runtime, uint32_t *count)
     add(runtime, count, "direct-scattering", scene->fog_count > 0,
         scene->fog_count ? "fog scatters light towards the eye and hides what lies behind" : "no fog",
         ms[AL_STAGE_FOG], al_fog_bytes(runtime));
-    bool glow = lights || runtime->model.has_emission, surfels = scene->fog_count > 0 && opaque && glow;
+    bool glow = lights || runtime->model.has_emission, surfels = scene->fog_count > 0 && opaque && glow,
+         bounced = runtime->bounce.ran[AL_BOUNCE_OCCLUSION] || runtime->bounce.ran[AL_BOUNCE_INDIRECT];
     const char *into_fog = !scene->fog_count ? "no fog takes light from surfaces"
                            : !opaque         ? "no opaque object sends light into the fog"
                            : !glow           ? "no light and no emission"
                                              : "surfaces send light into the fog";
-    add(runtime, count, "surfels", surfels,
-        runtime->surfels.coarseness > 1.0 ? "surfaces send light into the fog; larger surfels, to stay below their limit"
+    add(runtime, count, "surfels", surfels || bounced,
+        !surfels && bounced ? "light between surfaces, or what hides it"
+        : runtime->surfels.coarseness > 1.0 ? "surfaces send light into the fog; larger surfels, to stay below their limit"
                                           : into_fog,
         ms[AL_STAGE_SURFELS] + ms[AL_STAGE_SURFEL_LIGHT], al_surfels_bytes(runtime));
     add(runtime, count, "interval-map", surfels, into_fog, ms[AL_STAGE_INTERVAL_MAP],
@@ -73,10 +109,7 @@ const al_plan_row *al_runtime_plan(al_runtime *runtime, uint32_t *count)
         ms[AL_STAGE_SPAN] + ms[AL_STAGE_LEGS] + ms[AL_STAGE_SHELLS] + ms[AL_STAGE_BOUNCE_RAYS] + ms[AL_STAGE_BOUNCE] +
             ms[AL_STAGE_BOUNCE_LIGHT] + ms[AL_STAGE_UNSHUFFLE] + ms[AL_STAGE_BLUR] + ms[AL_STAGE_GATHER],
         al_shells_bytes(runtime));
-    bool occlusion = runtime->bounce.light.id != 0;
-    add(runtime, count, "ambient-occlusion", occlusion,
-        occlusion ? "the pass shows it" : "no light is taken by it unless the pass is shown", 0,
-        al_bounce_surface_bytes(runtime));
+    add_effects(runtime, count);
     bool sky = al_fog_sky_exists(runtime);
     add(runtime, count, "sky light", sky,
         sky                 ? "fog scatters light of the environment towards the eye"

@@ -9,7 +9,7 @@
 
 #include "al_shader_text.h"
 
-enum { FILE_LIMIT = 16, NAME_SIZE = 64 };
+enum { FILE_LIMIT = 24, NAME_SIZE = 64 };
 
 typedef struct entry {
     char *key; /* stages and defines */

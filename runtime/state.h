@@ -138,12 +138,19 @@ typedef struct al_bounce_block {
     int32_t sample[4];
 } al_bounce_block;
 
+typedef enum al_bounce_effect { /* of the bounced z-buffer on seen surfaces */
+    AL_BOUNCE_OCCLUSION,
+    AL_BOUNCE_INDIRECT,
+    AL_BOUNCE_EFFECTS
+} al_bounce_effect;
+
 typedef struct al_bounce { /* the bounced z-buffer of one tile */
     al_gl_texture rays, hits, depths;
     GLuint framebuffer;
     al_gl_buffer constants;
     al_gl_texture span, arriving, light; /* from surfaces: their distances' mips; along the rays; samples' sum */
     al_gl_buffer shells;                 /* likewise */
+    bool ran[AL_BOUNCE_EFFECTS];         /* in the last frame */
 } al_bounce;
 
 typedef struct al_light_page { /* of the lightmap */
@@ -260,7 +267,8 @@ typedef struct al_targets {                   /* of one tile */
     al_gl_texture ends, knots, light;
     al_gl_texture fog_light, fog_kept; /* of the fog in front of one translucent object */
     al_gl_texture host;                /* the host's own picture */
-    GLuint scene_framebuffer, radiance_framebuffer, boundary_framebuffer, back_framebuffer, light_framebuffer,
+    al_gl_texture material;            /* of opaque surfaces that light comes to later: shaders/material.glsl */
+    GLuint scene_framebuffer, radiance_framebuffer, material_framebuffer, boundary_framebuffer, back_framebuffer, light_framebuffer,
         host_framebuffer, fog_framebuffer;
 } al_targets;
 
@@ -311,7 +319,9 @@ typedef struct al_draw {
     bool needs_light;   /* samples are splatted */
     bool needs_shading; /* of opaque surfaces */
     bool needs_map;     /* the view's transmittance interval map */
-    bool needs_surfels; /* surfaces send light into the fog or hide others, or the cloud is shown */
+    bool needs_surfels; /* surfaces send light into the fog or to others or hide others, or the cloud is shown */
+    bool effects[AL_BOUNCE_EFFECTS]; /* seen surfaces get them */
+    bool needs_material; /* light comes to them after they are drawn */
     uint32_t framebuffer, host_depth;
     al_error *error;
 } al_draw;
@@ -380,12 +390,15 @@ uint64_t al_interval_map_bytes(const al_runtime *runtime);
 uint64_t al_shells_bytes(const al_runtime *runtime); /* what splats onto it and gathers, besides */
 al_status al_shells_draw(al_draw *draw);  /* shell.c: the surfels' shells into the levels */
 al_status al_bounce_medium(al_draw *draw);  /* bounce.c: instead, the light along drawn rays, with what hides it */
-al_status al_bounce_surface(al_draw *draw); /* bounce_surface.c: from seen surfaces, instead of the radiance */
+/* bounce_surface.c: of seen surfaces, added to the radiance; ambient occlusion as light of the environment where that is
+ * still missing, else alone */
+al_status al_bounce_surface(al_draw *draw, al_bounce_effect effect);
 uint64_t al_bounce_surface_bytes(const al_runtime *runtime); /* beside what the medium's has too */
 float al_bounce_extent(const al_runtime *runtime); /* diagonal of the box around all opaque instances, m */
 al_status al_bounce_fit(al_draw *draw, const al_shell_block *shells);
-/* The nearest surfel on every ray of bounce.rays, level by level; `choice`: defines. */
-al_status al_bounce_splat(al_draw *draw, const al_shell_block *block, const al_gl_texture *span, const char *choice);
+/* The nearest surfel on every ray of bounce.rays, level by level, timed as `stage`; `choice`: defines. */
+al_status al_bounce_splat(al_draw *draw, al_stage stage, const al_shell_block *block, const al_gl_texture *span,
+                          const char *choice);
 void al_bounce_free(al_runtime *runtime);
 al_status al_legs_run(al_draw *draw); /* legs.c */
 void al_legs_free(al_runtime *runtime);
@@ -446,6 +459,8 @@ void al_targets_free(al_runtime *runtime);
 /* surface.c */
 /* Sets the part's material as uniforms 1 to 4 and textures of surface.frag, and answers it. */
 const al_material *al_material_bind(const al_runtime *runtime, const al_submesh *part);
+/* How it is lit now: where what is baked has not arrived yet, the lights light it. */
+al_lighting al_instance_lighting(const al_runtime *runtime, uint32_t instance);
 bool al_instance_mirrors(const al_instance *instance); /* the front is where vertices turn clockwise */
 al_status al_surface_draw(al_draw *draw);
 al_status al_boundary_draw(al_draw *draw, al_object *object, uint32_t index);

@@ -107,8 +107,7 @@ static al_status draw_background(al_draw *draw)
     return AL_OK;
 }
 
-/* Where what is baked has not arrived yet, the lights light it. */
-static al_lighting lighting_of(const al_runtime *runtime, uint32_t instance)
+al_lighting al_instance_lighting(const al_runtime *runtime, uint32_t instance)
 {
     al_lighting lighting = (al_lighting)runtime->scene.instances[instance].lighting;
     if (lighting == AL_LIGHTING_LIGHTMAP && al_lightmap_exists(runtime, instance)) return lighting;
@@ -124,15 +123,17 @@ static al_status draw_opaque(al_draw *draw, al_lighting lighting)
     const al_scene *scene = &runtime->scene;
     char defines[96];
     GLuint program = 0; /* built when the first instance asks for it */
-    snprintf(defines, sizeof defines, "%s%s", names[lighting], al_fog_define(draw));
+    bool later = draw->needs_shading && draw->effects[AL_BOUNCE_OCCLUSION]; /* the environment's light */
+    snprintf(defines, sizeof defines, "%s%s%s", names[lighting], al_fog_define(draw),
+             draw->needs_material ? "#define AL_MATERIAL\n" : "");
     for (uint32_t i = 0; i < scene->instance_count; i++) {
-        if (scene->instances[i].role != AL_ROLE_OPAQUE || lighting_of(runtime, i) != lighting) continue;
+        if (scene->instances[i].role != AL_ROLE_OPAQUE || al_instance_lighting(runtime, i) != lighting) continue;
         if (!program) {
             al_status status =
                 al_shaders_get(runtime->shaders, "surface.vert surface.frag", defines, &program, draw->error);
             if (status) return status;
             glUseProgram(program);
-            glUniform4i(5, draw->needs_shading, !draw->settings.shadows_off, -1, 0);
+            glUniform4i(5, draw->needs_shading, !draw->settings.shadows_off, -1, later);
         }
         if (lighting == AL_LIGHTING_LIGHTMAP) al_lightmap_bind(draw, i);
         if (lighting == AL_LIGHTING_PROBES) al_probes_set(draw, i);
@@ -160,6 +161,7 @@ static al_status draw_blockers(al_draw *draw)
 
 al_status al_surface_draw(al_draw *draw)
 {
+    static const GLuint nothing[4] = {0};
     al_runtime *runtime = draw->runtime;
     al_timing_begin(&runtime->timing, AL_STAGE_SURFACE);
     glBindFramebuffer(GL_FRAMEBUFFER, runtime->targets.scene_framebuffer);
@@ -167,8 +169,13 @@ al_status al_surface_draw(al_draw *draw)
     glScissor(0, 0, draw->tile[2], draw->tile[3]);
     al_status status = draw_background(draw);
     if (!status && (runtime->model.has_opaque || runtime->model.has_blockers)) set_viewport(draw);
+    if (draw->needs_material) {
+        glBindFramebuffer(GL_FRAMEBUFFER, runtime->targets.material_framebuffer);
+        glClearNamedFramebufferuiv(runtime->targets.material_framebuffer, GL_COLOR, 2, nothing);
+    }
     for (int lighting = AL_LIGHTING_DYNAMIC; lighting <= AL_LIGHTING_PROBES && !status; lighting++)
         status = draw_opaque(draw, (al_lighting)lighting);
+    glBindFramebuffer(GL_FRAMEBUFFER, runtime->targets.scene_framebuffer);
     if (!status) status = draw_blockers(draw);
     glDisable(GL_DEPTH_TEST);
     al_timing_end(&runtime->timing);

@@ -9,9 +9,10 @@ static al_status fit(al_draw *draw, GLenum target, GLenum format, uint32_t layer
                              (uint32_t)draw->tile[3], layers, texture, draw->error);
 }
 
+static const GLenum buffers[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1, GL_COLOR_ATTACHMENT2};
+
 static void attach(GLuint *framebuffer, GLuint first, GLuint second, GLuint depth)
 {
-    static const GLenum buffers[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
     if (!*framebuffer) glCreateFramebuffers(1, framebuffer);
     glNamedFramebufferTexture(*framebuffer, GL_COLOR_ATTACHMENT0, first, 0);
     if (second) glNamedFramebufferTexture(*framebuffer, GL_COLOR_ATTACHMENT1, second, 0);
@@ -49,6 +50,18 @@ static al_status fit_object_targets(al_draw *draw)
     return AL_OK;
 }
 
+/* What the scene's framebuffer holds, and materials. */
+static al_status fit_material(al_draw *draw)
+{
+    al_targets *t = &draw->runtime->targets;
+    al_status status = fit(draw, GL_TEXTURE_2D, GL_RGBA32UI, 1, &t->material);
+    if (status) return status;
+    attach(&t->material_framebuffer, t->radiance.id, t->geometry.id, t->depth.id);
+    glNamedFramebufferTexture(t->material_framebuffer, GL_COLOR_ATTACHMENT2, t->material.id, 0);
+    glNamedFramebufferDrawBuffers(t->material_framebuffer, 3, buffers);
+    return AL_OK;
+}
+
 al_status al_targets_fit(al_draw *draw)
 {
     al_targets *t = &draw->runtime->targets;
@@ -58,6 +71,10 @@ al_status al_targets_fit(al_draw *draw)
     if (status) return status;
     attach(&t->scene_framebuffer, t->radiance.id, t->geometry.id, t->depth.id);
     attach(&t->radiance_framebuffer, t->radiance.id, 0, 0);
+    if (draw->needs_material) {
+        status = fit_material(draw);
+        if (status) return status;
+    }
     if (draw->host_depth) {
         status = fit(draw, GL_TEXTURE_2D, GL_RGBA32F, 1, &t->host);
         if (status) return status;
@@ -71,10 +88,11 @@ void al_targets_free(al_runtime *runtime)
     al_targets *t = &runtime->targets;
     al_gl_texture *const textures[] = {&t->radiance,   &t->geometry,  &t->depth,    &t->boundary,
                                        &t->reflection, &t->ends,      &t->knots,    &t->light,
-                                       &t->host,       &t->fog_light, &t->fog_kept, &t->back};
+                                       &t->host,       &t->fog_light, &t->fog_kept, &t->back,
+                                       &t->material};
     GLuint *const framebuffers[] = {&t->scene_framebuffer, &t->radiance_framebuffer, &t->boundary_framebuffer,
                                     &t->light_framebuffer, &t->host_framebuffer,     &t->fog_framebuffer,
-                                    &t->back_framebuffer};
+                                    &t->back_framebuffer,  &t->material_framebuffer};
     for (size_t i = 0; i < sizeof textures / sizeof textures[0]; i++)
         al_gl_texture_free(&runtime->memory, textures[i]);
     for (size_t i = 0; i < sizeof framebuffers / sizeof framebuffers[0]; i++)

@@ -5,9 +5,12 @@
 const char *al_stage_name(al_stage stage)
 {
     static const char *const names[AL_STAGE_COUNT] = {
-        "skin",   "shadow", "surfels",     "surfel light", "light",        "surface",   "direct-scattering", "interval-map",
-        "span",   "legs",        "shells",       "bounce-rays",  "bounce",    "bounce-light",      "unshuffle",
-        "blur",   "gather",      "intervals",    "splat",        "composite"};
+        "skin",          "shadow",         "surfels",           "surfel light",     "light",
+        "surface",       "direct-scattering", "interval-map",   "span",             "legs",
+        "shells",        "bounce-rays",    "bounce",            "bounce-light",     "occlusion-rays",
+        "occlusion-hits", "occlusion-arrive", "occlusion-filter", "indirect-rays",  "indirect-hits",
+        "indirect-arrive", "indirect-filter", "unshuffle",      "blur",             "gather",
+        "intervals",     "splat",          "composite"};
     return names[stage];
 }
 

@@ -24,6 +24,14 @@ typedef enum al_stage {
     AL_STAGE_BOUNCE_RAYS,
     AL_STAGE_BOUNCE,
     AL_STAGE_BOUNCE_LIGHT,
+    AL_STAGE_OCCLUSION_RAYS, /* and what follows, in the order of al_bounce_surface's steps */
+    AL_STAGE_OCCLUSION_HITS,
+    AL_STAGE_OCCLUSION_ARRIVE,
+    AL_STAGE_OCCLUSION_FILTER,
+    AL_STAGE_INDIRECT_RAYS, /* likewise */
+    AL_STAGE_INDIRECT_HITS,
+    AL_STAGE_INDIRECT_ARRIVE,
+    AL_STAGE_INDIRECT_FILTER,
     AL_STAGE_UNSHUFFLE,
     AL_STAGE_BLUR,
     AL_STAGE_GATHER,
@@ -33,7 +41,7 @@ typedef enum al_stage {
     AL_STAGE_COUNT
 } al_stage;
 
-enum { AL_TIMING_RING = 3, AL_TIMING_QUERIES = 512 };
+enum { AL_TIMING_RING = 3, AL_TIMING_QUERIES = 2048 };
 
 typedef struct al_timing_frame {
     GLuint queries[AL_TIMING_QUERIES]; /* timestamps, a pair for each run of a stage; made on first use */

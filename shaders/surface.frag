@@ -3,8 +3,12 @@
 // translucent object, whose distance is negative where its back face comes first (the eye is inside) and
 // whose light is the reflected part alone, with the share that it reflects beside it. AL_LIGHTMAP: all light comes
 // from the lightmap, L = albedo / pi E, and no lobe. AL_PROBES: light besides the lights' comes from probes.
+// AL_MATERIAL: what reflects light that comes later goes to a target of its own; baked light holds all light already.
 #extension GL_GOOGLE_include_directive : enable
 #include "shade.glsl"
+#ifdef AL_MATERIAL
+#include "material.glsl"
+#endif
 
 layout(binding = 2) uniform sampler2D base_color_map;
 layout(binding = 3) uniform sampler2D emission_map;
@@ -24,7 +28,8 @@ in vec2 page_uv;
 #ifdef AL_PROBES
 layout(location = 8) uniform vec3 probe_sh[9]; // incident radiance, W/(m2 sr)
 #endif
-layout(location = 5) uniform ivec4 choice;   // x: shade at all; y: shadows; z: own caster or -1
+layout(location = 5) uniform ivec4 choice;   // x: shade at all; y: shadows; z: own caster or -1; w: 1 the environment's
+                                             // light comes later
 
 in vec3 world_position;
 in vec3 world_normal;
@@ -32,6 +37,9 @@ in vec2 surface_uv;
 
 layout(location = 0) out vec4 radiance;
 layout(location = 1) out vec4 geometry; // normal, distance in m
+#ifdef AL_MATERIAL
+layout(location = 2) out uvec4 material;
+#endif
 
 // Tangents from screen derivatives (Mikkelsen 2010), so that meshes need not carry them.
 vec3 mapped_normal(vec3 normal)
@@ -111,7 +119,9 @@ void main()
 #else
     geometry = vec4(normal, away);
     radiance = vec4(0.0, 0.0, 0.0, 1.0);
+#ifndef AL_MATERIAL
     if (choice.x == 0) return;
+#endif
 #endif
     vec3 color = base.rgb;
     float metallic = base.a, roughness = emission.a;
@@ -121,6 +131,14 @@ void main()
         metallic *= texel.b;
         roughness *= texel.g;
     }
+#ifdef AL_MATERIAL
+#if defined(AL_LIGHTMAP) || defined(AL_PROBES)
+    material = uvec4(0u);
+#else
+    material = pack_material(color, metallic, roughness, optics.x, own);
+#endif
+    if (choice.x == 0) return;
+#endif
     Surface s;
     s.position = world_position;
     s.normal = normal;
@@ -131,7 +149,7 @@ void main()
     s.diffuse = vec3(0.0);
     s.f0 = vec3(optics.x);
     if (optics.x == 0.0) return; // index-matched
-    radiance = vec4(shade_lights(s, choice.y != 0) + shade_environment(s),
+    radiance = vec4(shade_lights(s, choice.y != 0) + shade_environment(s, 1.0),
                     lobe_albedo(s).x);
 #else
     s.diffuse = color * (1.0 - metallic);
@@ -144,7 +162,7 @@ void main()
 #elif defined(AL_PROBES)
     radiance = vec4(shade_lights(s, choice.y != 0) + s.diffuse / AL_PI * probe_irradiance(s.normal) + glow, 1.0);
 #else
-    radiance = vec4(shade_lights(s, choice.y != 0) + shade_environment(s) + glow, 1.0);
+    radiance = vec4(shade_lights(s, choice.y != 0) + (choice.w != 0 ? vec3(0.0) : shade_environment(s, 1.0)) + glow, 1.0);
 #endif
 #endif
 }

@@ -6,6 +6,7 @@
 // are kept but for rounding up or down, and as A* falls they come one by one. They leave by stream 1; by stream 0,
 // whose primitives are counted apart, parts of huge triangles.
 #extension GL_GOOGLE_include_directive : enable
+#include "packed_color.glsl"
 #include "surfel_size.glsl"
 
 layout(points) in;
@@ -17,7 +18,7 @@ layout(binding = 4) uniform sampler2D metallic_roughness_map;
 
 layout(location = 1) uniform vec4 base;     // rgb, metallic
 layout(location = 2) uniform vec4 emission; // rgb in W/(m2 sr), roughness
-layout(location = 3) uniform vec4 optics;   // y: 1 double-sided
+layout(location = 3) uniform vec4 optics;   // x: dielectric reflectance along the normal; y: 1 double-sided
 layout(location = 4) uniform ivec4 maps;    // which of the textures exist
 
 in vec3 fine_position[];
@@ -30,7 +31,7 @@ in float fine_random[];
 layout(stream = 1) out;
 layout(xfb_buffer = 0, xfb_stride = 64, xfb_offset = 0, stream = 1) out vec4 place;
 layout(xfb_buffer = 0, xfb_offset = 16, stream = 1) out vec4 facing;
-layout(xfb_buffer = 0, xfb_offset = 32, stream = 1) out vec4 diffuse; // rgb: albedo; w: metallic
+layout(xfb_buffer = 0, xfb_offset = 32, stream = 1) out vec4 diffuse; // rgb: albedo; w: reflectance along the normal, packed
 layout(xfb_buffer = 0, xfb_offset = 48, stream = 1) out vec4 glow;    // rgb: emission; w: 1 from both sides
 
 // The texture's mean over a square as large as the surfel.
@@ -56,7 +57,7 @@ void main()
     }
     place = vec4(fine_position[0], area);
     facing = vec4(fine_normal[0], roughness);
-    diffuse = vec4(color * (1.0 - metallic), metallic);
+    diffuse = vec4(color * (1.0 - metallic), pack_color(mix(vec3(optics.x), color, metallic)));
     glow = vec4(light, optics.y);
     EmitStreamVertex(1);
     EndStreamPrimitive(1);

@@ -50,5 +50,5 @@ void main()
             front += arrived;
     }
     surfels[i].front.rgb = front * albedo / AL_PI + glow.rgb;
-    surfels[i].back = vec4(back * albedo / AL_PI + glow.rgb * glow.w, 0.0);
+    surfels[i].back = vec4(back * albedo / AL_PI + glow.rgb * glow.w, pack_color(albedo));
 }

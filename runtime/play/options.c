@@ -14,7 +14,8 @@ typedef struct raw_options {
         bounce_filter;
     double march_step, shell_epsilon, shell_radius, surfel_size, bounce_radius, bounce_overlap, occlusion_radius;
     bool no_surface, no_background, no_clip, no_normalise, no_shadows, no_lod, no_fog, no_surface_scattering,
-        shells_closed, shells_clamped, no_second_leg, blur_plain, visibility, bounce_near_off, occlusion_uniform;
+        shells_closed, shells_clamped, no_second_leg, blur_plain, visibility, bounce_near_off, occlusion_uniform,
+        indirect, lambert_senders, ambient_occlusion;
 } raw_options;
 
 static int refuse(const al_program *program, const char *format, ...) AL_PRINTF(2, 3);
@@ -107,6 +108,9 @@ static int apply(const al_program *program, const raw_options *raw, al_play_opti
     s->second_leg_off = raw->no_second_leg;
     s->second_leg_steps = (uint32_t)raw->second_leg_steps;
     s->visibility = raw->visibility;
+    s->indirect = raw->indirect;
+    s->indirect_lambert = raw->lambert_senders;
+    s->ambient_occlusion = raw->ambient_occlusion;
     s->bounce_samples = (uint32_t)raw->bounce_samples;
     s->bounce_radius_m = (float)raw->bounce_radius;
     s->bounce_overlap = (float)raw->bounce_overlap;
@@ -191,13 +195,16 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
         {"--blur", "N", AL_OPTION_INT, &raw.blur, "mips of the blur, 0: none (1; with --visibility 3)", 0, 4},
         {"--blur-plain", NULL, AL_OPTION_FLAG, &raw.blur_plain, "blurs the medium's outline too", 0, 0},
         {"--visibility", NULL, AL_OPTION_FLAG, &raw.visibility, "surfaces hide others from the fog", 0, 0},
-        {"--bounce-samples", "N", AL_OPTION_INT, &raw.bounce_samples, "directions a pixel of --visibility and ambient occlusion (4)", 1, 64},
-        {"--bounce-radius", "M", AL_OPTION_REAL, &raw.bounce_radius, "radius of their innermost shell in m (1/32 of the scene, for occlusion 1/4)", 1e-6,
+        {"--indirect", NULL, AL_OPTION_FLAG, &raw.indirect, "light off one surface onto others, where nothing baked holds it", 0, 0},
+        {"--lambert-senders", NULL, AL_OPTION_FLAG, &raw.lambert_senders, "it comes off matt surfaces alone, not off highlights", 0, 0},
+        {"--ambient-occlusion", NULL, AL_OPTION_FLAG, &raw.ambient_occlusion, "surfaces hide the environment's light from each other", 0, 0},
+        {"--bounce-samples", "N", AL_OPTION_INT, &raw.bounce_samples, "directions a pixel of --visibility, --indirect and ambient occlusion (4)", 1, 64},
+        {"--bounce-radius", "M", AL_OPTION_REAL, &raw.bounce_radius, "radius of their innermost shell in m (1/32 of the scene, from surfaces 1/4)", 1e-6,
          1e6},
         {"--bounce-overlap", "F", AL_OPTION_REAL, &raw.bounce_overlap, "what their surfels' areas are multiplied by (3)", 1, 16},
         {"--bounce-near-off", NULL, AL_OPTION_FLAG, &raw.bounce_near_off, "they throw near fragments away", 0, 0},
         {"--bounce-filter", "N", AL_OPTION_INT, &raw.bounce_filter,
-         "pixels to each side that --pass ambient-occlusion is filtered over, 0: none (2)", 0, 16},
+         "pixels to each side whose rays a surface takes too, 0: none (2)", 0, 16},
         {"--occlusion-radius", "M", AL_OPTION_REAL, &raw.occlusion_radius, "farther surfaces do not occlude, m (no limit)",
          1e-6, 1e6},
         {"--occlusion-uniform", NULL, AL_OPTION_FLAG, &raw.occlusion_uniform, "directions of ambient occlusion even, not by the cosine", 0, 0},

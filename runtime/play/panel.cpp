@@ -209,12 +209,15 @@ static void show_surface_scattering(al_settings *s)
 /* Light and openness of seen surfaces, by the bounced z-buffer. */
 static void show_surfaces(al_settings *s)
 {
-    if (!ImGui::CollapsingHeader("ambient occlusion")) return;
+    if (!ImGui::CollapsingHeader("light between surfaces")) return;
+    ImGui::Checkbox("one bounce", &s->indirect);
+    ImGui::Checkbox("off matt surfaces alone", &s->indirect_lambert);
+    ImGui::Checkbox("ambient occlusion", &s->ambient_occlusion);
     int samples = (int)(s->bounce_samples ? s->bounce_samples : 4);
     if (ImGui::SliderInt("directions", &samples, 1, 64)) s->bounce_samples = (uint32_t)samples;
     float overlap = s->bounce_overlap > 0 ? s->bounce_overlap : 3, radius = s->occlusion_radius_m;
     if (ImGui::SliderFloat("overlap of discs", &overlap, 1, 16)) s->bounce_overlap = overlap;
-    if (ImGui::InputFloat("radius, m (0: no limit)", &radius) && radius >= 0) s->occlusion_radius_m = radius;
+    if (ImGui::InputFloat("occlusion radius, m (0: no limit)", &radius) && radius >= 0) s->occlusion_radius_m = radius;
     int filter = s->bounce_filter_off ? 0 : (int)(s->bounce_filter ? s->bounce_filter : 2);
     if (ImGui::SliderInt("filter, pixels", &filter, 0, 16)) {
         s->bounce_filter_off = !filter;

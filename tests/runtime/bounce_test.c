@@ -177,6 +177,9 @@ int main(void)
         settings.pass = AL_PASS_AMBIENT_OCCLUSION;
         free(stage_draw(runtime, &view, &settings, 0));
         check_frame(runtime, settings.bounce_overlap, true);
+        settings.pass = AL_PASS_INDIRECT;
+        free(stage_draw(runtime, &view, &settings, 0));
+        check_frame(runtime, settings.bounce_overlap, true);
     }
     al_runtime_destroy(runtime);
     return test_end();

@@ -13,7 +13,7 @@
 enum { WIDTH = 80, HEIGHT = 60 };
 
 typedef struct surfel { /* shaders/surfels.glsl */
-    float place[3], area, facing[3], roughness, front[3], metallic, back[3], unused;
+    float place[3], area, facing[3], roughness, front[3], f0, back[3], albedo; /* f0 and albedo packed */
 } surfel;
 _Static_assert(sizeof(surfel) == AL_SURFEL_SIZE, "std430");
 
@@ -301,6 +301,12 @@ static void test_same(void)
 
 /* --- light --- */
 
+/* shaders/packed_color.glsl */
+static float packed(double r, double g, double b)
+{
+    return (float)(floor(sqrt(r) * 255 + 0.5) + 256 * floor(sqrt(g) * 255 + 0.5) + 65536 * floor(sqrt(b) * 255 + 0.5));
+}
+
 /* A floor at y = 0, and above its half x > 0 a square that hides it from a lamp at y = 1. */
 static triangles make_floor(void)
 {
@@ -328,7 +334,7 @@ static void test_point(void)
         bool floor = s->place[1] < 0.25f, hidden = floor && s->place[0] > 0;
         double h = 1 - s->place[1], d = sqrt(s->place[0] * s->place[0] + h * h + s->place[2] * s->place[2]);
         CHECK_NEAR(s->facing[1], 1, 1e-6);
-        CHECK(s->roughness == 1 && s->metallic == 0 && s->back[0] == 0 && s->back[1] == 0 && s->back[2] == 0);
+        CHECK(s->roughness == 1 && s->f0 == 0 && s->albedo == packed(1, 1, 1) && s->back[0] == 0 && s->back[1] == 0 && s->back[2] == 0);
         if (floor && fabsf(s->place[0]) < 0.03f) continue;
         (hidden ? dark++ : lit++);
         for (int k = 0; k < 3; k++) {
@@ -376,7 +382,8 @@ static void test_sides(void)
             CHECK_NEAR(s->back[0], 0.25 / AL_PI * 2, 1e-6);
             CHECK_NEAR(s->front[1], 0.125 / AL_PI * 3 * 0.6 + 10, 1e-5);
             CHECK_NEAR(s->back[1], 0.125 / AL_PI * 2 + (form == 1 ? 0 : 10), 1e-5);
-            CHECK(s->metallic == 0.5f);
+            CHECK(s->albedo == packed(0.25, 0.125, 0.5));
+            CHECK(s->f0 == packed(0.25, 0.125, 0.5));
         }
         free(c.surfels);
     }

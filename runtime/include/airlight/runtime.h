@@ -87,6 +87,7 @@ typedef enum al_pass {
     AL_PASS_BLURRED,      /* and blurred, as it is summed */
     AL_PASS_SHADOW_MAP,   /* one layer: a directional light's map or a face of a point light's, depth 0 to 1 */
     AL_PASS_AMBIENT_OCCLUSION, /* share of the cosine-weighted hemisphere over the seen surface that is open, 0 to 1 */
+    AL_PASS_INDIRECT, /* light of one bounce from surfaces onto the seen ones, as it arrives at the eye, alone */
     AL_PASS_COUNT
 } al_pass;
 const char *al_pass_name(al_pass pass); /* "composite", "translucent", ... */
@@ -129,7 +130,11 @@ typedef struct al_settings {
     bool second_leg_off;         /* no extinction between surfel and medium, as published */
     uint32_t second_leg_steps;   /* through gridded media, 0: 4; 1 to 64 */
     bool visibility;             /* surfaces hide others from the medium, by a bounced z-buffer instead of shells */
-    /* The bounced z-buffer, of the medium and of ambient occlusion. */
+    /* Light onto opaque surfaces that have no baked light: that holds it already, and nothing is lit twice. */
+    bool indirect;          /* light, emission too, that one surface sends to another */
+    bool indirect_lambert;  /* as Lambert's surfaces alone send it: no light off highlights */
+    bool ambient_occlusion; /* the environment's light, less what other surfaces hide of it */
+    /* The bounced z-buffer, of the medium and of surfaces. */
     uint32_t bounce_samples;     /* directions a pixel, 0: 4; 1 to 64 */
     float bounce_radius_m;       /* of its innermost shell, 0: 1/32 of the scene's extent, from surfaces 1/4 */
     float bounce_overlap;        /* what surfels' areas are multiplied by, 0: 3; 1 to 16 */

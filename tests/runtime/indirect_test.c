@@ -1,0 +1,298 @@
+/* Light of one bounce against closed forms.
+ *
+ * Furnace: inside a box that sends 1 everywhere each surface sends the albedo it has for its view: Lambert's base colour, or
+ * the lobe's, the integral of BRDF times cosine, here by microfacets drawn as Heitz (2018) does, not as the shader draws
+ * them. A share exp(-3) of the rays at most passes between discs of three times the walls' area.
+ * Two plates: the floor sends 1, a small plate over its middle gets its form factor (Howell, configuration B-4: a
+ * differential area parallel to a rectangle's corner).
+ * What is left alone: a floor without others, and convex surfaces, get nothing from themselves. */
+#include <epoxy/gl.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../../runtime/state.h"
+#include "../test.h"
+#include "airlight/formulas.h"
+#include "sphere.h"
+#include "stage.h"
+
+enum { EDGE = 40, SAMPLES = 8, NODES = 48 };
+
+/* --- scenes --- */
+
+/* The square with its front towards `axis` (0 to 2, `side` 1 or -1), its middle at `place`. */
+static void add_square(sphere_scene *s, float size, const float place[3], int axis, float side)
+{
+    sphere_scene_add_floor(s, size, place);
+    float *world = s->instances[s->scene.instance_count - 1].world;
+    memset(world, 0, 12 * sizeof *world);
+    world[(axis + 2) % 3] = size * side;
+    world[4 + axis] = size * side;
+    world[8 + (axis + 1) % 3] = size;
+}
+
+/* A box of 2 m that sends 1 inwards. */
+static void add_box(sphere_scene *s)
+{
+    for (int i = 0; i < 6; i++) {
+        float place[3] = {0, 0, 0}, side = i % 2 ? 1 : -1;
+        place[i / 2] = -side;
+        add_square(s, 2, place, i / 2, side);
+    }
+    for (int c = 0; c < 3; c++) s->materials[1].emission_w_m2_sr[c] = 1;
+}
+
+static al_runtime *open_scene(const char *folder, sphere_scene *s)
+{
+    al_runtime *runtime = NULL;
+    al_error error = {0};
+    s->scene.baked = (al_baked_light){"", ""};
+    CHECK(sphere_scene_write(folder, s));
+    CHECK(al_runtime_create(NULL, &runtime, &error) == AL_OK);
+    CHECK(stage_load(runtime, folder));
+    sphere_scene_end(s);
+    return runtime;
+}
+
+/* Of each pixel: normal and unit direction to the eye. */
+typedef struct seen {
+    float geometry[EDGE * EDGE][4];
+    double view[EDGE * EDGE][3];
+} seen;
+
+static void read_seen(const al_runtime *runtime, seen *s)
+{
+    al_frame_block frame;
+    glGetNamedBufferSubData(runtime->frame_block.id, 0, sizeof frame, &frame);
+    glGetTextureImage(runtime->targets.geometry.id, 0, GL_RGBA, GL_FLOAT, sizeof s->geometry, s->geometry);
+    for (uint32_t i = 0; i < EDGE * EDGE; i++) {
+        double length = 0;
+        for (int k = 0; k < 3; k++) {
+            s->view[i][k] = -(frame.ray[3][k] + (i % EDGE + 0.5) * frame.ray[4][k] + (i / EDGE + 0.5) * frame.ray[5][k]);
+            length += s->view[i][k] * s->view[i][k];
+        }
+        for (int k = 0; k < 3; k++) s->view[i][k] /= sqrt(length);
+    }
+}
+
+static float *draw(al_runtime *runtime, const al_view *view, const al_settings *settings)
+{
+    float *pixels = stage_draw(runtime, view, settings, 0);
+    CHECK(pixels && !stage_bad(pixels, EDGE * EDGE * 3));
+    return pixels;
+}
+
+/* --- furnace --- */
+
+static double fresnel(double f0, double cosine)
+{
+    double grazing = fmin(50 * f0, 1);
+    return f0 + (grazing - f0) * pow(fmax(1 - cosine, 0), 5);
+}
+
+/* A microfacet as seen from `v`, z along the normal. */
+static void draw_microfacet(const double v[3], double alpha, double u0, double u1, double m[3])
+{
+    double h[3] = {alpha * v[0], alpha * v[1], v[2]}, size = sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
+    for (int k = 0; k < 3; k++) h[k] /= size;
+    double flat = hypot(h[0], h[1]), a[3] = {1, 0, 0};
+    if (flat > 0) a[0] = -h[1] / flat, a[1] = h[0] / flat;
+    double b[3] = {-h[2] * a[1], h[2] * a[0], h[0] * a[1] - h[1] * a[0]};
+    double r = sqrt(u0), x = r * cos(2 * AL_PI * u1), y = r * sin(2 * AL_PI * u1), s = 0.5 * (1 + h[2]);
+    y = (1 - s) * sqrt(1 - x * x) + s * y;
+    double z = sqrt(fmax(1 - x * x - y * y, 0)), length = 0;
+    for (int k = 0; k < 3; k++) m[k] = (x * a[k] + y * b[k] + z * h[k]) * (k < 2 ? alpha : 1);
+    for (int k = 0; k < 3; k++) length += m[k] * m[k];
+    for (int k = 0; k < 3; k++) m[k] /= sqrt(length);
+}
+
+/* Albedo for a view at `cosine`: the lobe's F G1 over drawn microfacets, Lambert's (1 - F) over the cosine. */
+static double albedo(double cosine, double color, double metallic, double roughness, double reflectance)
+{
+    double alpha = fmax(roughness * roughness, 1e-3), f0 = reflectance + (color - reflectance) * metallic, sum = 0;
+    const double v[3] = {sqrt(1 - cosine * cosine), 0, cosine};
+    for (int i = 0; i < NODES * NODES; i++) {
+        double u = (i / NODES + 0.5) / NODES, w = (i % NODES + 0.5) / NODES, m[3], half = 0;
+        draw_microfacet(v, alpha, u, w, m);
+        double dot = v[0] * m[0] + v[2] * m[2], toward = 2 * dot * m[2] - v[2];
+        if (toward > 0)
+            sum += fresnel(f0, dot) * 2 * toward / (toward + sqrt(alpha * alpha + (1 - alpha * alpha) * toward * toward));
+        double z = sqrt(1 - u), x = sqrt(u) * cos(2 * AL_PI * w), y = sqrt(u) * sin(2 * AL_PI * w);
+        half = hypot(hypot(x + v[0], y), z + v[2]);
+        sum += (1 - fresnel(f0, half / 2)) * color * (1 - metallic);
+    }
+    return sum / (NODES * NODES);
+}
+
+static void check_furnace(al_runtime *runtime, double roughness, double metallic, bool filter)
+{
+    static seen s;
+    const double color = 0.8, ior = 1.5, reflectance = pow((ior - 1) / (ior + 1), 2);
+    al_material *m = &al_runtime_scene(runtime)->materials[1];
+    for (int c = 0; c < 3; c++) m->base_color[c] = (float)color;
+    m->roughness = (float)roughness;
+    m->metallic = (float)metallic;
+    m->ior = (float)ior;
+    al_view view = stage_look(EDGE, EDGE, (float[3]){0.3f, 0.2f, 0.9f}, (float[3]){-0.2f, -0.5f, -1}, 1.2f);
+    al_settings settings = {.pass = AL_PASS_INDIRECT, .bounce_samples = SAMPLES, .bounce_filter_off = !filter,
+                            .indirect_lambert = true, .shell_levels = 1, .surfel_pixels = 2};
+    float *pixels = draw(runtime, &view, &settings);
+    if (!pixels) return;
+    read_seen(runtime, &s);
+    double found = 0, expected = 0;
+    for (uint32_t i = 0; i < EDGE * EDGE; i++) {
+        double cosine = 0;
+        for (int k = 0; k < 3; k++) cosine += s.geometry[i][k] * s.view[i][k];
+        found += (double)pixels[3 * i];
+        if (i % 7 == 0) expected += 7 * albedo(fmin(cosine, 1), color, metallic, roughness, reflectance);
+    }
+    double noise = 3 / sqrt((double)EDGE * EDGE * SAMPLES); /* no ray counts more than 1, but for what F G1 varies */
+    printf("furnace, roughness %g, metallic %g: %.4f of the albedo, noise %.4f\n", roughness, metallic, found / expected,
+           noise);
+    CHECK(found / expected > 1 - exp(-3) - noise);
+    CHECK(found / expected < 1 + noise);
+    free(pixels);
+}
+
+static void test_furnace(const char *folder)
+{
+    sphere_scene s;
+    sphere_scene_begin(&s);
+    add_box(&s);
+    al_runtime *runtime = open_scene(folder, &s);
+    static const double roughnesses[] = {0, 0.2, 0.5, 1};
+    for (int i = 0; i < 4; i++)
+        for (int metal = 0; metal < 2; metal++) check_furnace(runtime, roughnesses[i], metal, i % 2);
+    check_furnace(runtime, 0.5, 0.5, true);
+    al_runtime_destroy(runtime);
+}
+
+/* --- plates --- */
+
+static double corner_factor(double a, double b)
+{
+    double p = sqrt(1 + a * a), q = sqrt(1 + b * b);
+    return (a / p * atan(b / p) + b / q * atan(a / q)) / (2 * AL_PI);
+}
+
+static void test_plates(const char *folder)
+{
+    const float height = 0.8f, half = 1;
+    sphere_scene s;
+    sphere_scene_begin(&s);
+    add_square(&s, 2 * half, (float[3]){0, 0, 0}, 1, 1);
+    add_square(&s, 0.05f, (float[3]){0, height, 0}, 1, -1);
+    for (int c = 0; c < 3; c++) s.materials[1].emission_w_m2_sr[c] = 1;
+    al_runtime *runtime = open_scene(folder, &s);
+    al_view view = stage_look(EDGE, EDGE, (float[3]){0.5f, 0.2f, 0}, (float[3]){0, height, 0}, 0.06f);
+    for (int levels = 1; levels <= 6; levels += 5) {
+        al_settings settings = {.pass = AL_PASS_INDIRECT, .bounce_samples = SAMPLES, .surfel_pixels = 1,
+                                .shell_levels = (uint32_t)levels, .bounce_radius_m = 1, .surfel_limit = 4000};
+        static seen seen_now;
+        float *pixels = draw(runtime, &view, &settings);
+        if (!pixels) continue;
+        read_seen(runtime, &seen_now);
+        double sum = 0, count = 0, factor = 4 * corner_factor(half / height, half / height);
+        for (uint32_t i = 0; i < EDGE * EDGE; i++) {
+            if (seen_now.geometry[i][1] > -0.9f) continue;
+            sum += (double)pixels[3 * i];
+            count++;
+        }
+        printf("plates, %d levels: %.4f on %g pixels, form factor %.4f\n", levels, sum / count, count, factor);
+        CHECK(count > 200);
+        double noise = 3 * sqrt(factor * (1 - factor) / (count * SAMPLES));
+        CHECK(sum / count > factor * (1 - exp(-3)) - noise);
+        CHECK(sum / count < factor * 1.05 + noise); /* discs poke out by 1/20 of the edge at most */
+        free(pixels);
+    }
+    al_runtime_destroy(runtime);
+}
+
+/* --- what is left alone, and sums --- */
+
+static void test_alone(const char *folder)
+{
+    sphere_scene s;
+    sphere_scene_begin(&s);
+    add_square(&s, 4, (float[3]){0, 0, 0}, 1, 1);
+    add_square(&s, 4, (float[3]){0, 0, 0}, 1, 1); /* coplanar */
+    sphere_scene_add_light(&s, AL_LIGHT_POINT, (float[3]){0, 1, 0}, 1);
+    al_runtime *runtime = open_scene(folder, &s);
+    al_view view = stage_look(EDGE, EDGE, (float[3]){0, 2, 2}, (float[3]){0, 0, 0}, 0.6f);
+    al_view grazing = stage_look(EDGE, EDGE, (float[3]){0, 1e-3f, 2}, (float[3]){0, 0, 0}, 0.6f);
+    for (int i = 0; i < 8; i++) {
+        al_material *m = &al_runtime_scene(runtime)->materials[1];
+        m->roughness = i & 1;
+        m->metallic = i >> 1 & 1;
+        al_settings settings = {.pass = AL_PASS_INDIRECT};
+        float *pixels = draw(runtime, i & 4 ? &grazing : &view, &settings);
+        if (pixels) CHECK(stage_sum(pixels, EDGE * EDGE * 3) == 0);
+        free(pixels);
+    }
+    al_runtime_destroy(runtime);
+}
+
+/* A frame of its own, so that random numbers are the same. */
+static float *draw_fresh(const char *folder, const al_settings *settings)
+{
+    al_runtime *runtime = NULL;
+    al_error error = {0};
+    CHECK(al_runtime_create(NULL, &runtime, &error) == AL_OK);
+    CHECK(stage_load(runtime, folder));
+    al_view view = stage_look(EDGE, EDGE, (float[3]){0, 2, 3}, (float[3]){0, 0.3f, 0}, 0.6f);
+    float *pixels = draw(runtime, &view, settings);
+    al_runtime_destroy(runtime);
+    return pixels;
+}
+
+/* A floor under a sun and a sky, and a wall on it. */
+static void write_wall(const char *folder, float lift)
+{
+    sphere_scene s;
+    sphere_scene_begin(&s);
+    add_square(&s, 4, (float[3]){0, 0, 0}, 1, 1);
+    add_square(&s, 1, (float[3]){0, 0.5f + lift, -0.4f}, 2, 1);
+    sphere_scene_add_light(&s, AL_LIGHT_DIRECTIONAL, (float[3]){0, -0.8f, -0.6f}, 3);
+    s.materials[1].roughness = 0.3f;
+    s.materials[1].ior = 1.5f;
+    for (int c = 0; c < 3; c++) s.scene.environment.sh[c][0] = 0.5f * 3.5449077f; /* 0.5 W/(m2 sr) from everywhere */
+    s.scene.baked = (al_baked_light){"", ""};
+    CHECK(sphere_scene_write(folder, &s));
+    sphere_scene_end(&s);
+}
+
+static void test_sums(const char *folder)
+{
+    write_wall(folder, 0);
+    const al_settings plain = {0}, alone = {.pass = AL_PASS_INDIRECT}, both = {.indirect = true},
+                      open = {.ambient_occlusion = true};
+    float *p = draw_fresh(folder, &plain), *a = draw_fresh(folder, &alone), *b = draw_fresh(folder, &both),
+          *c = draw_fresh(folder, &both), *o = draw_fresh(folder, &open);
+    if (p && a && b && c && o) {
+        double darker = 0;
+        CHECK(!memcmp(b, c, EDGE * EDGE * 3 * sizeof *b));
+        CHECK(stage_sum(a, EDGE * EDGE * 3) > 0);
+        for (int i = 0; i < EDGE * EDGE * 3; i++) {
+            CHECK_NEAR((double)b[i], (double)p[i] + (double)a[i], 1e-5 * (1 + (double)p[i]));
+            CHECK(o[i] <= p[i] + 1e-3f * p[i]); /* materials in halves */
+            darker += (double)(p[i] - o[i]);
+        }
+        printf("ambient occlusion takes %.4f of the light\n", darker / stage_sum(p, EDGE * EDGE * 3));
+        CHECK(darker > 0.01 * stage_sum(p, EDGE * EDGE * 3));
+    }
+    free(p), free(a), free(b), free(c), free(o);
+}
+
+int main(void)
+{
+    if (!stage_open()) return test_skip("no OpenGL 4.5 context");
+    const char *folder = stage_folder();
+    CHECK(folder != NULL);
+    if (!folder) return test_end();
+    test_furnace(folder);
+    test_plates(folder);
+    test_alone(folder);
+    test_sums(folder);
+    return test_end();
+}
