@@ -5,10 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../../runtime/state.h"
 #include "../test.h"
 #include "airlight/formulas.h"
-#include "airlight/medium.h"
+#include "readback.h"
 #include "sphere.h"
 #include "stage.h"
 
@@ -83,91 +82,16 @@ static const float front[3] = {0.2f, 0.1f, 3};
 
 /* --- the sum over all surfels, double precision --- */
 
-typedef struct surfel {
-    float place[4], facing[4], front[4], back[4];
-} surfel;
-
-typedef struct stage_state { /* of the frame drawn last */
-    al_frame_block frame;
-    al_fog_block fogs;
-    surfel *surfels;
-    uint32_t surfel_count, width, height;
-    float *geometry; /* [height][width][4] */
-} stage_state;
-
-static stage_state read_state(const al_runtime *runtime)
-{
-    const al_gl_texture *geometry = &runtime->targets.geometry;
-    stage_state s = {.fogs = runtime->fogs.block, .width = geometry->width, .height = geometry->height};
-    size_t texels = (size_t)s.width * s.height;
-    s.surfel_count = (uint32_t)al_surfels_count(runtime);
-    s.surfels = malloc((s.surfel_count + 1) * sizeof *s.surfels);
-    s.geometry = malloc(texels * 16);
-    glGetNamedBufferSubData(runtime->surfels.cloud.id, 0, (GLsizeiptr)(s.surfel_count * sizeof *s.surfels), s.surfels);
-    glGetNamedBufferSubData(runtime->frame_block.id, 0, sizeof s.frame, &s.frame);
-    glGetTextureImage(geometry->id, 0, GL_RGBA, GL_FLOAT, (GLsizei)(texels * 16), s.geometry);
-    return s;
-}
-
-static void free_state(stage_state *s)
-{
-    free(s->surfels);
-    free(s->geometry);
-}
-
-typedef struct ray {
-    double origin[3], direction[3];
-} ray;
-
-static ray pixel_ray(const al_frame_block *frame, double x, double y)
-{
-    ray r;
-    double length = 0;
-    for (int k = 0; k < 3; k++) {
-        r.origin[k] = frame->ray[0][k] + x * frame->ray[1][k] + y * frame->ray[2][k];
-        r.direction[k] = frame->ray[3][k] + x * frame->ray[4][k] + y * frame->ray[5][k];
-        length += r.direction[k] * r.direction[k];
-    }
-    for (int k = 0; k < 3; k++) r.direction[k] /= sqrt(length);
-    return r;
-}
-
-/* The part of the ray within [0, to] that lies in a fog's box. */
-static bool clip(const al_fog_entry *fog, const ray *r, double to, double span[2])
-{
-    span[0] = 0;
-    span[1] = to;
-    for (int k = 0; k < 3; k++) {
-        double low = (double)fog->low[k] - r->origin[k], high = low + fog->extent[k];
-        if (r->direction[k] == 0) {
-            if (low > 0 || high < 0) return false;
-            continue;
-        }
-        double a = low / r->direction[k], b = high / r->direction[k];
-        span[0] = fmax(span[0], fmin(a, b));
-        span[1] = fmin(span[1], fmax(a, b));
-    }
-    return span[0] < span[1];
-}
-
-static void depth_of(const al_fog_block *fogs, const ray *r, double to, double tau[3])
-{
-    memset(tau, 0, 3 * sizeof *tau);
-    for (int32_t i = 0; i < fogs->counts[0]; i++) {
-        double span[2];
-        if (!clip(&fogs->fogs[i], r, to, span)) continue;
-        for (int c = 0; c < 3; c++) tau[c] += fogs->fogs[i].sigma_t[c] * (span[1] - span[0]);
-    }
-}
-
 /* Radiance scattered per metre at r(t) towards the eye, before extinction on the way to it. */
-static void source_at(const stage_state *s, const ray *r, double t, double light[3])
+static void source_at(const readback *s, const ray *r, double t, double light[3])
 {
     double sigma[AL_FOG_LIMIT];
     memset(light, 0, 3 * sizeof *light);
     for (int32_t i = 0; i < s->fogs.counts[0]; i++) {
         double span[2];
-        sigma[i] = clip(&s->fogs.fogs[i], r, 1e30, span) && t >= span[0] && t < span[1];
+        sigma[i] = 0;
+        if (readback_clip(&s->fogs.fogs[i], r, 1e30, span) && t >= span[0] && t < span[1])
+            sigma[i] = readback_density(s, i, r, t);
     }
     for (uint32_t j = 0; j < s->surfel_count; j++) {
         const surfel *f = &s->surfels[j];
@@ -188,51 +112,58 @@ static void source_at(const stage_state *s, const ray *r, double t, double light
         if (!(sent[0] > 0 || sent[1] > 0 || sent[2] > 0)) continue;
         double x = f->place[3] * fabs(cosine) / (AL_PI * squared), root = sqrt(1 + x);
         double angle = 2 * AL_PI * x / (root * (1 + root));
-        depth_of(&s->fogs, &leg, distance, tau);
+        readback_depth(s, &leg, distance, tau);
         for (int32_t i = 0; i < s->fogs.counts[0]; i++)
             for (int c = 0; c < 3 && sigma[i] > 0; c++)
-                light[c] += s->fogs.fogs[i].sigma_s[c] * al_phase(s->fogs.fogs[i].sigma_t[3], turn) * angle * sent[c] *
+                light[c] += sigma[i] * s->fogs.fogs[i].sigma_s[c] * al_phase(s->fogs.fogs[i].sigma_t[3], turn) * angle * sent[c] *
                             exp(-tau[c]);
     }
 }
 
+/* The largest optical depth over [from, to] of the channels that are not gone before it. */
+static double depth_between(const readback *s, const ray *r, double from, double to)
+{
+    double before[3], after[3], largest = 0;
+    readback_depth(s, r, from, before);
+    readback_depth(s, r, to, after);
+    for (int c = 0; c < 3; c++)
+        if (before[c] < 40) largest = fmax(largest, after[c] - before[c]);
+    return largest;
+}
+
 /* Gauss-Legendre of three places a step; steps end at every fog's surface and take at most half an optical depth of
  * the channels that are not gone, nor more than a share of the ray. */
-static void integrate(const stage_state *s, uint32_t pixel, int shares, double light[3])
+static void integrate(const readback *s, uint32_t pixel, int shares, double light[3])
 {
     static const double place[3] = {0.1127016653792583, 0.5, 0.8872983346207417}, weight[3] = {5 / 18.0, 4 / 9.0, 5 / 18.0};
     double ends[2 * AL_FOG_LIMIT + 1], longest = 0;
     int end_count = 0;
-    ray r = pixel_ray(&s->frame, pixel % s->width + 0.5, pixel / s->width + 0.5);
+    ray r = readback_ray(&s->frame, pixel % s->width + 0.5, pixel / s->width + 0.5);
     float surface = s->geometry[4 * pixel + 3];
     memset(light, 0, 3 * sizeof *light);
     for (int32_t i = 0; i < s->fogs.counts[0]; i++) {
         double span[2];
-        if (!clip(&s->fogs.fogs[i], &r, surface > 0 ? surface : 1e30, span)) continue;
+        if (!readback_clip(&s->fogs.fogs[i], &r, surface > 0 ? surface : 1e30, span)) continue;
         memcpy(ends + end_count, span, sizeof span);
         end_count += 2;
         longest = fmax(longest, span[1]);
     }
     double t = 0, tau[3] = {0};
     while (t < longest && fmin(fmin(tau[0], tau[1]), tau[2]) < 40) {
-        double next = longest, sigma = 0, first = longest;
+        double next = longest, depth;
         for (int i = 0; i < end_count; i++)
-            if (ends[i] > t) first = fmin(first, ends[i]);
-        for (int32_t i = 0; i < s->fogs.counts[0]; i++) {
-            double span[2];
-            if (!clip(&s->fogs.fogs[i], &r, longest, span) || t < span[0] || t >= span[1]) continue;
-            for (int c = 0; c < 3; c++)
-                if (tau[c] < 40) sigma = fmax(sigma, s->fogs.fogs[i].sigma_t[c]);
-        }
-        next = fmin(first, sigma > 0 ? t + fmin(0.5 / sigma, longest / shares) : first);
-        for (int k = 0; k < 3 && sigma > 0; k++) {
+            if (ends[i] > t) next = fmin(next, ends[i]);
+        depth = depth_between(s, &r, t, next);
+        if (depth > 0) next = fmin(next, t + longest / shares);
+        while (depth > 0 && (depth = depth_between(s, &r, t, next)) > 0.5) next = t + (next - t) * fmax(0.4 / depth, 1e-3);
+        for (int k = 0; k < 3 && depth > 0; k++) {
             double at = t + place[k] * (next - t), here[3], source[3];
-            depth_of(&s->fogs, &r, at, here);
+            readback_depth(s, &r, at, here);
             source_at(s, &r, at, source);
             for (int c = 0; c < 3; c++) light[c] += weight[k] * (next - t) * exp(-here[c]) * source[c];
         }
         t = next;
-        depth_of(&s->fogs, &r, t, tau);
+        readback_depth(s, &r, t, tau);
     }
 }
 
@@ -271,7 +202,7 @@ static void compare_as(const char *name, al_runtime *runtime, const al_view *vie
     static picture p;
     double sums[2] = {0}, worst = 0;
     average(runtime, view, settings, frames, &p);
-    stage_state s = read_state(runtime);
+    readback s = readback_take(runtime);
     double blocks[BLOCKS * 3][3] = {{0}};
     for (uint32_t i = 0; i < EDGE * EDGE; i++) {
         double light[3];
@@ -293,7 +224,7 @@ static void compare_as(const char *name, al_runtime *runtime, const al_view *vie
     CHECK(s.surfel_count > 0 && sums[1] > 0);
     printf("| %s | %.2f %%, worst block %.2f %% (%u surfels) |\n", name, 100 * (sums[0] / sums[1] - 1), 100 * worst,
            s.surfel_count);
-    free_state(&s);
+    readback_free(&s);
 }
 
 /* All pairs in one level, so that only the samples' places on the rays are drawn. */
@@ -517,7 +448,7 @@ static void test_eyes(void)
         double away = INFINITY;
         for (int go = 0; i + 1 == COUNT && go < 8; go++) { /* surfels stay where they are when there are more of them */
             free(stage_draw(runtime, &view, &plain, 0));
-            stage_state s = read_state(runtime);
+            readback s = readback_take(runtime);
             const surfel *nearest = s.surfels;
             away = INFINITY;
             for (uint32_t j = 0; j < s.surfel_count; j++) {
@@ -526,7 +457,7 @@ static void test_eyes(void)
                 if (squared < away) away = squared, nearest = &s.surfels[j];
             }
             if (away > 0) memcpy(eyes[i], nearest->place, 12);
-            free_state(&s);
+            readback_free(&s);
             view = look(EDGE, EDGE, eyes[i], 1);
             if (away == 0) break;
         }
