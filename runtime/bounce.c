@@ -148,6 +148,27 @@ al_status al_bounce_medium(al_draw *draw)
     return status;
 }
 
+al_status al_bounce_inspect(al_draw *draw)
+{
+    al_runtime *runtime = draw->runtime;
+    const al_bounce *bounce = &runtime->bounce;
+    GLuint program;
+    if (!draw->needs_surfels) return AL_OK; /* none were sent */
+    al_status status =
+        al_shaders_get(runtime->shaders, "fullscreen.vert inspect_bounce.frag", "", &program, draw->error);
+    if (status) return status;
+    glBindFramebuffer(GL_FRAMEBUFFER, runtime->targets.radiance_framebuffer);
+    glViewport(0, 0, draw->tile[2], draw->tile[3]);
+    glUseProgram(program);
+    al_gl_bind_texture(AL_UNIT_PASS, bounce->rays.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 3, bounce->hits.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 4, bounce->depths.id);
+    glUniform1i(0, draw->settings.pass - AL_PASS_BOUNCE_RAYS);
+    glBindVertexArray(runtime->empty_vertex_array);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    return AL_OK;
+}
+
 void al_bounce_free(al_runtime *runtime)
 {
     al_bounce *bounce = &runtime->bounce;

@@ -156,6 +156,12 @@ static bool shows_effect(al_pass pass)
     return pass == AL_PASS_AMBIENT_OCCLUSION || pass == AL_PASS_INDIRECT;
 }
 
+/* Passes that show the bounced z-buffer: the medium's with visibility, else the surfaces'. */
+static bool shows_bounce(al_pass pass)
+{
+    return pass == AL_PASS_BOUNCE_RAYS || pass == AL_PASS_BOUNCE_HITS;
+}
+
 static al_status draw_surface_scattering(al_draw *draw)
 {
     al_pass pass = draw->settings.pass;
@@ -166,6 +172,7 @@ static al_status draw_surface_scattering(al_draw *draw)
     if (!status) status = draw->settings.visibility ? al_bounce_medium(draw) : al_shells_draw(draw);
     if (status) return status;
     if (pass == AL_PASS_SHELLS) return al_shells_inspect(draw);
+    if (shows_bounce(pass)) return al_bounce_inspect(draw);
     status = al_shells_gather(draw);
     return !status && shows_level(pass) ? al_shells_inspect(draw) : status;
 }
@@ -194,6 +201,7 @@ static al_status draw_tile(al_draw *draw)
     if (draw->settings.pass == AL_PASS_SHADOW_MAP) status = al_shells_inspect(draw);
     for (int i = 0; i < AL_BOUNCE_EFFECTS && !status; i++)
         if (draw->effects[i]) status = al_bounce_surface(draw, (al_bounce_effect)i);
+    if (!status && shows_bounce(draw->settings.pass) && !draw->needs_map) status = al_bounce_inspect(draw);
     if (shows_effect(draw->settings.pass)) return status ? status : al_output_draw(draw);
     if (!status) status = al_fog_draw(draw);
     if (!status && draw->needs_map) status = draw_surface_scattering(draw);
@@ -284,6 +292,9 @@ static bool sends_into_fog(const al_draw *draw)
     case AL_PASS_UNSHUFFLED:
     case AL_PASS_BLURRED:
         return true;
+    case AL_PASS_BOUNCE_RAYS:
+    case AL_PASS_BOUNCE_HITS:
+        return draw->settings.visibility;
     default:
         return false;
     }
@@ -306,8 +317,10 @@ static void choose_effects(al_draw *draw)
     bool composite = settings->pass == AL_PASS_COMPOSITE, receives = any_dynamic(runtime);
     bool ambient = composite && settings->ambient_occlusion && receives &&
                    al_environment_exists(&runtime->scene.environment);
-    bool indirect = settings->pass == AL_PASS_INDIRECT || (composite && settings->indirect);
-    draw->effects[AL_BOUNCE_OCCLUSION] = ambient || settings->pass == AL_PASS_AMBIENT_OCCLUSION;
+    bool rays = shows_bounce(settings->pass) && !settings->visibility;
+    bool indirect = settings->pass == AL_PASS_INDIRECT || ((composite || rays) && settings->indirect);
+    draw->effects[AL_BOUNCE_OCCLUSION] =
+        ambient || settings->pass == AL_PASS_AMBIENT_OCCLUSION || (rays && !settings->indirect);
     draw->effects[AL_BOUNCE_INDIRECT] = indirect && receives && surfaces_send(runtime);
     draw->needs_material = ambient || draw->effects[AL_BOUNCE_INDIRECT];
     memcpy(draw->runtime->bounce.ran, draw->effects, sizeof draw->effects);

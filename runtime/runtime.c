@@ -15,7 +15,7 @@ const char *al_pass_name(al_pass pass)
         "composite", "translucent", "surface",           "normal",             "depth",
         "intervals", "unity",       "direct-scattering", "surface-scattering", "surfels",
         "interval-map", "depletion", "shells", "unshuffled", "blurred", "shadow-map",
-        "ambient-occlusion", "indirect"};
+        "ambient-occlusion", "indirect", "bounce-rays", "bounce-hits"};
     return (unsigned)pass < AL_PASS_COUNT ? names[pass] : "unknown";
 }
 

@@ -393,6 +393,7 @@ al_status al_bounce_medium(al_draw *draw);  /* bounce.c: instead, the light alon
 /* bounce_surface.c: of seen surfaces, added to the radiance; ambient occlusion as light of the environment where that is
  * still missing, else alone */
 al_status al_bounce_surface(al_draw *draw, al_bounce_effect effect);
+al_status al_bounce_inspect(al_draw *draw); /* bounce.c: its last rays, and what they hit */
 uint64_t al_bounce_surface_bytes(const al_runtime *runtime); /* beside what the medium's has too */
 float al_bounce_extent(const al_runtime *runtime); /* diagonal of the box around all opaque instances, m */
 al_status al_bounce_fit(al_draw *draw, const al_shell_block *shells);

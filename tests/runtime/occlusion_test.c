@@ -89,6 +89,44 @@ static void check_hidden(al_runtime *runtime, const al_settings *settings, doubl
     CHECK(hidden < most + noise);
 }
 
+/* The last rays as the passes show them: of length one, away from the plane, and to the sphere where they hit; a disc
+ * touches it and reaches `reach` from there. */
+static void check_rays(al_runtime *runtime, al_settings settings)
+{
+    al_view view = stage_look(EDGE, EDGE, (float[3]){0, 3, 4}, (float[3]){0, 0.3f, 0.8f}, 0.6f);
+    static float geometry[EDGE * EDGE][4];
+    al_frame_block frame;
+    settings.shell_levels = 1; /* further ones enlarge discs */
+    settings.pass = AL_PASS_BOUNCE_RAYS;
+    float *rays = stage_draw(runtime, &view, &settings, 0);
+    runtime->frame_number--; /* the same rays once more */
+    settings.pass = AL_PASS_BOUNCE_HITS;
+    float *hits = stage_draw(runtime, &view, &settings, 0);
+    uint32_t count = 0;
+    CHECK(rays && hits);
+    glGetNamedBufferSubData(runtime->frame_block.id, 0, sizeof frame, &frame);
+    glGetTextureImage(runtime->targets.geometry.id, 0, GL_RGBA, GL_FLOAT, sizeof geometry, geometry);
+    for (uint32_t i = 0; rays && hits && i < EDGE * EDGE; i++) {
+        double at[3], length = 0, away = 0;
+        if (geometry[i][1] < 0.999f) continue;
+        CHECK(rays[3 * i + 1] > 0.5f);
+        place_of(&frame, i, at);
+        at[1] -= height;
+        for (int k = 0; k < 3; k++) {
+            double d = 2 * (double)rays[3 * i + (uint32_t)k] - 1, p = at[k] + d * (double)hits[3 * i];
+            length += d * d;
+            away += p * p;
+        }
+        CHECK(fabs(length - 1) < 1e-5);
+        if (hits[3 * i] <= 0) continue;
+        count++;
+        CHECK(sqrt(away) > radius - reach && sqrt(away) < sqrt(radius * radius + reach * reach) + 1e-4);
+    }
+    CHECK(count > 10);
+    free(rays);
+    free(hits);
+}
+
 int main(void)
 {
     if (!stage_open()) return test_skip("no OpenGL 4.5 context");
@@ -108,6 +146,7 @@ int main(void)
             settings.shell_levels = i == 2 ? 6 : 1;
             check_hidden(runtime, &settings, truth);
         }
+        if (sphere) check_rays(runtime, settings);
     }
     al_runtime_destroy(runtime);
     return test_end();

@@ -88,6 +88,9 @@ typedef enum al_pass {
     AL_PASS_SHADOW_MAP,   /* one layer: a directional light's map or a face of a point light's, depth 0 to 1 */
     AL_PASS_AMBIENT_OCCLUSION, /* share of the cosine-weighted hemisphere over the seen surface that is open, 0 to 1 */
     AL_PASS_INDIRECT, /* light of one bounce from surfaces onto the seen ones, as it arrives at the eye, alone */
+    AL_PASS_BOUNCE_RAYS, /* the bounced z-buffer's last ray of each pixel, d * 0.5 + 0.5: from the medium with
+                          * `visibility`, else from surfaces, as `indirect` or ambient occlusion sends them */
+    AL_PASS_BOUNCE_HITS, /* how far along it the nearest surfel is, metres; 0: none */
     AL_PASS_COUNT
 } al_pass;
 const char *al_pass_name(al_pass pass); /* "composite", "translucent", ... */
