@@ -77,11 +77,21 @@ static al_status draw_rays(al_draw *draw)
     return AL_OK;
 }
 
-al_status al_bounce_splat(al_draw *draw, al_stage stage, const al_shell_block *block, const al_gl_texture *span,
-                          const char *choice)
+void al_bounce_clear(const al_draw *draw, const al_shell_block *block)
 {
     static const GLuint nothing[4] = {0};
     static const float far[1] = {1};
+    GLuint framebuffer = draw->runtime->bounce.framebuffer;
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glDisable(GL_SCISSOR_TEST);
+    glClearNamedFramebufferuiv(framebuffer, GL_COLOR, 0, nothing);
+    glClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0, far);
+    glViewport(0, 0, block->size[0], block->size[1]);
+}
+
+al_status al_bounce_splat(al_draw *draw, al_stage stage, const al_shell_block *block, const al_gl_texture *span,
+                          const char *choice)
+{
     al_runtime *runtime = draw->runtime;
     al_bounce *bounce = &runtime->bounce;
     char defines[64];
@@ -91,11 +101,7 @@ al_status al_bounce_splat(al_draw *draw, al_stage stage, const al_shell_block *b
                                       draw->error);
     if (status) return status;
     al_timing_begin(&runtime->timing, stage);
-    glBindFramebuffer(GL_FRAMEBUFFER, bounce->framebuffer);
-    glDisable(GL_SCISSOR_TEST);
-    glClearNamedFramebufferuiv(bounce->framebuffer, GL_COLOR, 0, nothing);
-    glClearNamedFramebufferfv(bounce->framebuffer, GL_DEPTH, 0, far);
-    glViewport(0, 0, block->size[0], block->size[1]);
+    al_bounce_clear(draw, block);
     glUseProgram(program);
     al_gl_bind_texture(AL_UNIT_PASS, bounce->rays.id);
     al_gl_bind_texture(AL_UNIT_PASS + 3, span->id);
@@ -153,7 +159,9 @@ al_status al_bounce_inspect(al_draw *draw)
     al_runtime *runtime = draw->runtime;
     const al_bounce *bounce = &runtime->bounce;
     GLuint program;
-    if (!draw->needs_surfels) return AL_OK; /* none were sent */
+    if (!draw->needs_surfels && draw->settings.occlusion_carrier != AL_CARRIER_VOLUMES &&
+        draw->settings.occlusion_carrier != AL_CARRIER_SCREEN)
+        return AL_OK; /* none were sent */
     al_status status =
         al_shaders_get(runtime->shaders, "fullscreen.vert inspect_bounce.frag", "", &program, draw->error);
     if (status) return status;
@@ -179,5 +187,6 @@ void al_bounce_free(al_runtime *runtime)
     al_gl_buffer_free(&runtime->memory, &bounce->constants);
     al_gl_buffer_free(&runtime->memory, &bounce->shells);
     if (bounce->framebuffer) glDeleteFramebuffers(1, &bounce->framebuffer);
+    if (bounce->light_framebuffer) glDeleteFramebuffers(1, &bounce->light_framebuffer);
     memset(bounce, 0, sizeof *bounce);
 }

@@ -4,11 +4,17 @@
 
 #include "state.h"
 
-/* Levels padded so that every block is whole, as the medium's; the outermost shell is open. */
-static al_shell_block shell_block(const al_draw *draw)
+/* Ambient occlusion by what the settings choose; light comes from surfels. */
+static al_carrier carrier_of(const al_draw *draw, al_bounce_effect effect)
 {
-    int32_t levels = (int32_t)draw->settings.shell_levels, blur = (int32_t)draw->settings.blur_mips,
-            edge = 1 << (levels - 1 > blur ? levels - 1 : blur);
+    return effect == AL_BOUNCE_OCCLUSION ? draw->settings.occlusion_carrier : AL_CARRIER_SURFELS;
+}
+
+/* Levels padded so that every block is whole, as the medium's; the outermost shell is open. Surfels alone need several. */
+static al_shell_block shell_block(const al_draw *draw, al_carrier carrier)
+{
+    int32_t levels = carrier == AL_CARRIER_SURFELS ? (int32_t)draw->settings.shell_levels : 1,
+            blur = (int32_t)draw->settings.blur_mips, edge = 1 << (levels - 1 > blur ? levels - 1 : blur);
     al_shell_block block = {.counts = {levels, 1, (int32_t)draw->runtime->frame_number, 0}, .reach = {0, 0, 0, 1}};
     for (int k = 0; k < 2; k++) {
         block.size[k] = (draw->tile[2 + k] + edge - 1) / edge * edge;
@@ -21,7 +27,7 @@ static al_shell_block shell_block(const al_draw *draw)
 static al_bounce_block bounce_block(const al_draw *draw, al_bounce_effect effect)
 {
     const al_settings *settings = &draw->settings;
-    float extent = draw->needs_surfels ? al_bounce_extent(draw->runtime) : 1;
+    float extent = draw->runtime->model.has_opaque ? al_bounce_extent(draw->runtime) : 1;
     bool near = effect == AL_BOUNCE_OCCLUSION && settings->occlusion_radius_m > 0;
     return (al_bounce_block){
         .reach = {settings->bounce_radius_m > 0 ? settings->bounce_radius_m : extent / 4, 1e4f * extent,
@@ -31,15 +37,18 @@ static al_bounce_block bounce_block(const al_draw *draw, al_bounce_effect effect
                    settings->bounce_filter_off ? 0 : (int32_t)settings->bounce_filter}};
 }
 
-static al_status fit(al_draw *draw, const al_shell_block *block)
+static al_status fit(al_draw *draw, al_carrier carrier, const al_shell_block *block)
 {
     al_runtime *runtime = draw->runtime;
     al_bounce *bounce = &runtime->bounce;
     al_gl_texture *const pictures[] = {&bounce->arriving, &bounce->light};
-    al_status status = al_bounce_fit(draw, block);
-    for (int i = 0; i < 2 && !status; i++)
+    bool rays = carrier != AL_CARRIER_VOLUMES_BLENDED;
+    al_status status = rays ? al_bounce_fit(draw, block) : AL_OK;
+    for (int i = !rays; i < 2 && !status; i++)
         status = al_gl_texture_fit(&runtime->memory, GL_TEXTURE_2D, GL_RGBA32F, (uint32_t)draw->tile[2],
                                    (uint32_t)draw->tile[3], 1, pictures[i], draw->error);
+    if (!status && !bounce->constants.id)
+        status = al_gl_buffer_create(&runtime->memory, sizeof(al_bounce_block), NULL, &bounce->constants, draw->error);
     if (!status && !bounce->shells.id)
         status = al_gl_buffer_create(&runtime->memory, sizeof *block, NULL, &bounce->shells, draw->error);
     return status;
@@ -81,12 +90,51 @@ static al_status run(al_draw *draw, al_stage stage, const char *shader, const ch
     return AL_OK;
 }
 
-/* The carrier: fills bounce.hits and .depths. */
-static al_status find_hits(al_draw *draw, al_stage stage, const al_shell_block *block)
+static void draw_fullscreen(const al_runtime *runtime)
+{
+    glBindVertexArray(runtime->empty_vertex_array);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+static al_status march(al_draw *draw, al_stage stage, const al_shell_block *block)
+{
+    al_runtime *runtime = draw->runtime;
+    const al_settings *settings = &draw->settings;
+    float thickness_m = settings->screen_thickness_m;
+    GLuint program;
+    al_status status = al_shaders_get(runtime->shaders, "fullscreen.vert bounce_march.frag", "", &program, draw->error);
+    if (status) return status;
+    al_timing_begin(&runtime->timing, stage);
+    al_bounce_clear(draw, block);
+    glUseProgram(program);
+    glUniform2f(0, (float)settings->screen_steps, thickness_m > 0 ? thickness_m : al_bounce_extent(runtime) / 32);
+    al_gl_bind_texture(AL_UNIT_PASS, runtime->bounce.rays.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 1, runtime->targets.geometry.id);
+    glEnable(GL_DEPTH_TEST); /* so that depth is written */
+    draw_fullscreen(runtime);
+    glDisable(GL_DEPTH_TEST);
+    al_timing_end(&runtime->timing);
+    return AL_OK;
+}
+
+static al_status splat(al_draw *draw, al_stage stage, const al_shell_block *block)
 {
     al_runtime *runtime = draw->runtime;
     al_gl_bind_texture(AL_UNIT_PASS + 1, runtime->targets.geometry.id);
     return al_bounce_splat(draw, stage, block, &runtime->bounce.span, "#define AL_SURFACE\n");
+}
+
+/* Fills bounce.hits and .depths. */
+static al_status find_hits(al_draw *draw, al_carrier carrier, al_stage stage, const al_shell_block *block)
+{
+    switch (carrier) {
+    case AL_CARRIER_VOLUMES:
+        return al_volumes_trace(draw, stage, block);
+    case AL_CARRIER_SCREEN:
+        return march(draw, stage, block);
+    default:
+        return splat(draw, stage, block);
+    }
 }
 
 static al_status arrive(al_draw *draw, al_stage stage, al_bounce_effect effect)
@@ -106,7 +154,7 @@ static al_status take_sample(al_draw *draw, al_bounce_effect effect, const al_sh
     al_stage stage = effect == AL_BOUNCE_INDIRECT ? AL_STAGE_INDIRECT_RAYS : AL_STAGE_OCCLUSION_RAYS;
     const char *receiver = receiver_define(draw, effect);
     al_status status = run(draw, stage, "bounce_surface.comp", receiver);
-    if (!status) status = find_hits(draw, stage + 1, shells);
+    if (!status) status = find_hits(draw, carrier_of(draw, effect), stage + 1, shells);
     if (!status) status = arrive(draw, stage + 2, effect);
     return status ? status : run(draw, stage + 3, "bounce_filter.comp", receiver);
 }
@@ -115,12 +163,14 @@ static al_status take_sample(al_draw *draw, al_bounce_effect effect, const al_sh
 static al_status add(al_draw *draw, al_bounce_effect effect)
 {
     al_runtime *runtime = draw->runtime;
+    bool sums = carrier_of(draw, effect) == AL_CARRIER_VOLUMES_BLENDED;
     GLuint program;
     const char *defines = effect == AL_BOUNCE_OCCLUSION && draw->needs_shading ? "#define AL_AMBIENT\n"
                           : draw->settings.pass == AL_PASS_INDIRECT            ? al_fog_define(draw)
                                                                                : "";
-    al_status status = al_shaders_get(runtime->shaders, "fullscreen.vert bounce_show.frag", defines, &program,
-                                      draw->error);
+    char all[96];
+    snprintf(all, sizeof all, "%s%s", sums ? "#define AL_SUMS\n" : "", defines);
+    al_status status = al_shaders_get(runtime->shaders, "fullscreen.vert bounce_show.frag", all, &program, draw->error);
     if (status) return status;
     glBindFramebuffer(GL_FRAMEBUFFER, runtime->targets.radiance_framebuffer);
     glDisable(GL_SCISSOR_TEST);
@@ -129,8 +179,7 @@ static al_status add(al_draw *draw, al_bounce_effect effect)
     bind_surfaces(runtime, runtime->bounce.light.id);
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
-    glBindVertexArray(runtime->empty_vertex_array);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    draw_fullscreen(runtime);
     glDisable(GL_BLEND);
     return AL_OK;
 }
@@ -138,16 +187,22 @@ static al_status add(al_draw *draw, al_bounce_effect effect)
 al_status al_bounce_surface(al_draw *draw, al_bounce_effect effect)
 {
     al_bounce *bounce = &draw->runtime->bounce;
-    const al_shell_block shells = shell_block(draw);
+    const al_carrier carrier = carrier_of(draw, effect);
+    const al_shell_block shells = shell_block(draw, carrier);
     al_bounce_block block = bounce_block(draw, effect);
-    al_status status = fit(draw, &shells);
+    al_status status = fit(draw, carrier, &shells);
     if (status) return status;
     glNamedBufferSubData(bounce->shells.id, 0, sizeof shells, &shells);
     glBindBufferBase(GL_UNIFORM_BUFFER, 3, bounce->shells.id);
-    status = al_span_run(draw, &shells, &bounce->span, "#define AL_SURFACE\n");
+    glNamedBufferSubData(bounce->constants.id, 0, sizeof block, &block);
+    glBindBufferBase(GL_UNIFORM_BUFFER, 4, bounce->constants.id);
+    if (carrier != AL_CARRIER_SCREEN) status = al_span_run(draw, &shells, &bounce->span, "#define AL_SURFACE\n");
+    if (!status && carrier == AL_CARRIER_VOLUMES_BLENDED) {
+        status = al_volumes_sum(draw, AL_STAGE_OCCLUSION_HITS);
+        return status ? status : add(draw, effect);
+    }
     for (; block.sample[0] < block.sample[1] && !status; block.sample[0]++) {
         glNamedBufferSubData(bounce->constants.id, 0, sizeof block, &block);
-        glBindBufferBase(GL_UNIFORM_BUFFER, 4, bounce->constants.id);
         status = take_sample(draw, effect, &shells);
     }
     return status ? status : add(draw, effect);

@@ -48,6 +48,11 @@ static al_status check(const al_view *view, const al_settings *settings, al_erro
     if (settings->bounce_filter > 16 || (settings->occlusion_radius_m != 0 && !in_range(settings->occlusion_radius_m, 1e-6, 1e6)))
         return al_fail(error, AL_USAGE, "settings: filter of %u pixels, occlusion radius of %g m; use at most 16, 1e-6 to "
                        "1e6, or 0", settings->bounce_filter, (double)settings->occlusion_radius_m);
+    if ((unsigned)settings->occlusion_carrier >= AL_CARRIER_COUNT || settings->screen_steps > 1024 ||
+        (settings->screen_thickness_m != 0 && !in_range(settings->screen_thickness_m, 1e-6, 1e6)))
+        return al_fail(error, AL_USAGE, "settings: occlusion carrier %u, screen march of %u steps, thickness %g m; use 0 to "
+                       "%d, at most 1024 and 1e-6 to 1e6, or 0", (unsigned)settings->occlusion_carrier,
+                       settings->screen_steps, (double)settings->screen_thickness_m, AL_CARRIER_COUNT - 1);
     if ((unsigned)settings->interval_weights >= AL_INTERVAL_WEIGHTS_COUNT)
         return al_fail(error, AL_USAGE, "settings: no such interval weights");
     if (settings->fog_steps > 1024)
@@ -358,8 +363,8 @@ static al_status draw_frame(al_draw *draw)
     al_fog_prepare(draw);
     choose_effects(draw);
     bool into_fog = sends_into_fog(draw);
-    draw->needs_surfels = runtime->model.has_opaque && (pass == AL_PASS_SURFELS || into_fog ||
-                                                        draw->effects[AL_BOUNCE_OCCLUSION] ||
+    bool occludes = draw->effects[AL_BOUNCE_OCCLUSION] && draw->settings.occlusion_carrier == AL_CARRIER_SURFELS;
+    draw->needs_surfels = runtime->model.has_opaque && (pass == AL_PASS_SURFELS || into_fog || occludes ||
                                                         draw->effects[AL_BOUNCE_INDIRECT]);
     draw->needs_map = into_fog || (runtime->fogs.drawn && (pass == AL_PASS_INTERVAL_MAP || pass == AL_PASS_DEPLETION));
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, runtime->frame_block.id);
@@ -394,6 +399,7 @@ al_status al_runtime_draw(al_runtime *runtime, const al_view *view, const al_set
     if (!draw.settings.blur_mips) draw.settings.blur_mips = draw.settings.visibility ? 3 : 1;
     if (!draw.settings.bounce_samples) draw.settings.bounce_samples = 4;
     if (!draw.settings.bounce_filter) draw.settings.bounce_filter = 2;
+    if (!draw.settings.screen_steps) draw.settings.screen_steps = 32;
     if (!draw.settings.second_leg_steps) draw.settings.second_leg_steps = 4;
     if (draw.settings.shell_epsilon_w_m2_sr == 0)
         draw.settings.shell_epsilon_w_m2_sr = 0.06f * exp2f(-runtime->scene.play.exposure_ev);

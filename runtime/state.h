@@ -151,6 +151,7 @@ typedef struct al_bounce { /* the bounced z-buffer of one tile */
     al_gl_texture span, arriving, light; /* from surfaces: their distances' mips; along the rays; samples' sum */
     al_gl_buffer shells;                 /* likewise */
     bool ran[AL_BOUNCE_EFFECTS];         /* in the last frame */
+    GLuint light_framebuffer;            /* of what volumes add up */
 } al_bounce;
 
 typedef struct al_light_page { /* of the lightmap */
@@ -400,6 +401,11 @@ al_status al_bounce_fit(al_draw *draw, const al_shell_block *shells);
 /* The nearest surfel on every ray of bounce.rays, level by level, timed as `stage`; `choice`: defines. */
 al_status al_bounce_splat(al_draw *draw, al_stage stage, const al_shell_block *block, const al_gl_texture *span,
                           const char *choice);
+void al_bounce_clear(const al_draw *draw, const al_shell_block *block); /* no hits; ready to draw into all of a level */
+/* volumes.c: into a cleared level of the bounced z-buffer, the nearest triangle on every ray; or into bounce.light the
+ * sum of what each triangle hides. Blocks are bound and bounce.span is filled. */
+al_status al_volumes_trace(al_draw *draw, al_stage stage, const al_shell_block *block);
+al_status al_volumes_sum(al_draw *draw, al_stage stage);
 void al_bounce_free(al_runtime *runtime);
 al_status al_legs_run(al_draw *draw); /* legs.c */
 void al_legs_free(al_runtime *runtime);

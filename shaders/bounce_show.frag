@@ -1,6 +1,7 @@
 #version 450 core
 // The mean of all samples of the bounced z-buffer from surfaces, 0 where there is none. AL_FOG: less what the fog takes on
-// its way to the eye. AL_AMBIENT: the light of the environment that the open share of the hemisphere lets through.
+// its way to the eye. AL_AMBIENT: the light of the environment that the open share of the hemisphere lets through. AL_SUMS:
+// the sum is of what triangles hide.
 #extension GL_GOOGLE_include_directive : enable
 #define AL_INDIRECT
 #include "shade.glsl"
@@ -13,6 +14,11 @@ void main()
 {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 sum = texelFetch(light, pixel, 0);
+#ifdef AL_SUMS
+    vec4 place = texelFetch(geometry, pixel, 0);
+    bool seen = place.w > 0.0 && dot(place.xyz, place.xyz) > 0.25; // a host's surface has no normal
+    sum = seen ? vec4(max(1.0 - sum.rgb, 0.0), 1.0) : vec4(0.0);
+#endif
     value = vec4(sum.rgb / max(sum.a, 1e-30), 0.0);
 #if defined(AL_AMBIENT)
     Receiver r;

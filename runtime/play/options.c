@@ -9,10 +9,10 @@
 
 /* What the parser writes to before it becomes settings. */
 typedef struct raw_options {
-    const char *pass, *view_leg, *scattered, *interval_weights;
+    const char *pass, *view_leg, *scattered, *interval_weights, *occlusion_carrier;
     int samples, sh_order, intervals, fog_steps, shell_levels, shown_level, second_leg_steps, blur, bounce_samples, surfel_limit,
-        bounce_filter;
-    double march_step, shell_epsilon, shell_radius, surfel_size, bounce_radius, bounce_overlap, occlusion_radius;
+        bounce_filter, screen_steps;
+    double march_step, shell_epsilon, shell_radius, surfel_size, bounce_radius, bounce_overlap, occlusion_radius, screen_thickness;
     bool no_surface, no_background, no_clip, no_normalise, no_shadows, no_lod, no_fog, no_surface_scattering,
         shells_closed, shells_clamped, no_second_leg, blur_plain, visibility, bounce_near_off, occlusion_uniform,
         indirect, lambert_senders, ambient_occlusion;
@@ -61,6 +61,14 @@ static int set_interval_weights(const al_program *program, const char *word, al_
     for (int i = 0; i < AL_INTERVAL_WEIGHTS_COUNT; i++)
         if (!strcmp(word, words[i])) return *weights = (al_interval_weights)i, -1;
     return refuse(program, "--interval-weights takes auto, coloured or coefficients, not '%s'", word);
+}
+
+static int set_occlusion_carrier(const al_program *program, const char *word, al_carrier *carrier)
+{
+    static const char *const words[AL_CARRIER_COUNT] = {"surfels", "volumes", "volumes-blended", "screen"};
+    for (int i = 0; i < AL_CARRIER_COUNT; i++)
+        if (!strcmp(word, words[i])) return *carrier = (al_carrier)i, -1;
+    return refuse(program, "--occlusion-carrier takes surfels, volumes, volumes-blended or screen, not '%s'", word);
 }
 
 static int check(const al_program *program, al_play_options *options)
@@ -119,6 +127,8 @@ static int apply(const al_program *program, const raw_options *raw, al_play_opti
     s->bounce_filter = raw->bounce_filter > 0 ? (uint32_t)raw->bounce_filter : 0;
     s->occlusion_radius_m = (float)raw->occlusion_radius;
     s->occlusion_uniform = raw->occlusion_uniform;
+    s->screen_steps = (uint32_t)raw->screen_steps;
+    s->screen_thickness_m = (float)raw->screen_thickness;
     s->blur_off = raw->blur == 0;
     s->blur_mips = raw->blur > 0 ? (uint32_t)raw->blur : 0;
     s->blur_plain = raw->blur_plain;
@@ -127,12 +137,14 @@ static int apply(const al_program *program, const raw_options *raw, al_play_opti
     if (code < 0) code = set_view_leg(program, raw->view_leg, &s->view_leg);
     if (code < 0) code = set_scattered(program, raw->scattered, &s->scattered_off);
     if (code < 0) code = set_interval_weights(program, raw->interval_weights, &s->interval_weights);
+    if (code < 0) code = set_occlusion_carrier(program, raw->occlusion_carrier, &s->occlusion_carrier);
     return code < 0 ? check(program, options) : code;
 }
 
 int al_play_options_parse(al_program *program, int argc, char **argv, al_play_options *options)
 {
-    raw_options raw = {.pass = "composite", .view_leg = "marched", .scattered = "on", .interval_weights = "auto", .blur = -1, .bounce_filter = -1};
+    raw_options raw = {.pass = "composite", .view_leg = "marched", .scattered = "on", .interval_weights = "auto",
+                       .occlusion_carrier = "surfels", .blur = -1, .bounce_filter = -1};
     *options = (al_play_options){.size = {1280, 720}, .exposure_ev = NAN};
     const al_option table[] = {
         {"--headless", NULL, AL_OPTION_FLAG, &options->headless, "render without a display, then end", 0, 0},
@@ -207,6 +219,11 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
          "pixels to each side whose rays a surface takes too, 0: none (2)", 0, 16},
         {"--occlusion-radius", "M", AL_OPTION_REAL, &raw.occlusion_radius, "farther surfaces do not occlude, m (no limit)",
          1e-6, 1e6},
+        {"--occlusion-carrier", "KIND", AL_OPTION_STRING, &raw.occlusion_carrier,
+         "what finds what occludes: surfels, volumes, volumes-blended (no z-buffer) or screen (surfels)", 0, 0},
+        {"--screen-steps", "N", AL_OPTION_INT, &raw.screen_steps, "steps of the screen's march (32)", 1, 1024},
+        {"--screen-thickness", "M", AL_OPTION_REAL, &raw.screen_thickness,
+         "of the surfaces that it meets, m (1/32 of the scene)", 1e-6, 1e6},
         {"--occlusion-uniform", NULL, AL_OPTION_FLAG, &raw.occlusion_uniform, "directions of ambient occlusion even, not by the cosine", 0, 0},
     };
     program->options = table;

@@ -213,7 +213,15 @@ static void show_surfaces(al_settings *s)
     ImGui::Checkbox("one bounce", &s->indirect);
     ImGui::Checkbox("off matt surfaces alone", &s->indirect_lambert);
     ImGui::Checkbox("ambient occlusion", &s->ambient_occlusion);
-    int samples = (int)(s->bounce_samples ? s->bounce_samples : 4);
+    static const char *const carriers[] = {"surfels", "volumes", "volumes, blended", "screen"};
+    int carrier = (int)s->occlusion_carrier, samples = (int)(s->bounce_samples ? s->bounce_samples : 4);
+    if (ImGui::Combo("occlusion by", &carrier, carriers, AL_CARRIER_COUNT)) s->occlusion_carrier = (al_carrier)carrier;
+    if (carrier == AL_CARRIER_SCREEN) {
+        int steps = (int)(s->screen_steps ? s->screen_steps : 32);
+        if (ImGui::SliderInt("steps", &steps, 1, 256)) s->screen_steps = (uint32_t)steps;
+        float thickness = s->screen_thickness_m;
+        if (ImGui::InputFloat("thickness, m (0: 1/32)", &thickness) && thickness >= 0) s->screen_thickness_m = thickness;
+    }
     if (ImGui::SliderInt("directions", &samples, 1, 64)) s->bounce_samples = (uint32_t)samples;
     float overlap = s->bounce_overlap > 0 ? s->bounce_overlap : 3, radius = s->occlusion_radius_m;
     if (ImGui::SliderFloat("overlap of discs", &overlap, 1, 16)) s->bounce_overlap = overlap;

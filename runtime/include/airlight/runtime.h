@@ -90,7 +90,7 @@ typedef enum al_pass {
     AL_PASS_INDIRECT, /* light of one bounce from surfaces onto the seen ones, as it arrives at the eye, alone */
     AL_PASS_BOUNCE_RAYS, /* the bounced z-buffer's last ray of each pixel, d * 0.5 + 0.5: from the medium with
                           * `visibility`, else from surfaces, as `indirect` or ambient occlusion sends them */
-    AL_PASS_BOUNCE_HITS, /* how far along it the nearest surfel is, metres; 0: none */
+    AL_PASS_BOUNCE_HITS, /* how far along it what the carrier meets is, metres; 0: none */
     AL_PASS_COUNT
 } al_pass;
 const char *al_pass_name(al_pass pass); /* "composite", "translucent", ... */
@@ -102,6 +102,14 @@ typedef enum al_interval_weights { /* what the view's transmittance interval map
                                        * with visibility as AUTO */
     AL_INTERVAL_WEIGHTS_COUNT
 } al_interval_weights;
+
+typedef enum al_carrier { /* what finds the surfaces that the bounced z-buffer's rays meet, from surfaces */
+    AL_CARRIER_SURFELS = 0,     /* splats of the surfel cloud (Nalbach et al. 2015) */
+    AL_CARRIER_VOLUMES,         /* every triangle, drawn where it may be met: exact (McGuire 2010, with the z-buffer) */
+    AL_CARRIER_VOLUMES_BLENDED, /* without the z-buffer: what triangles hide is added up, overlaps twice */
+    AL_CARRIER_SCREEN,          /* a march through the view's depths, for comparison: what is out of view is not met */
+    AL_CARRIER_COUNT
+} al_carrier;
 
 /* Knobs; all zero is the default and the best-looking. */
 typedef struct al_settings {
@@ -142,6 +150,9 @@ typedef struct al_settings {
     float bounce_radius_m;       /* of its innermost shell, 0: 1/32 of the scene's extent, from surfaces 1/4 */
     float bounce_overlap;        /* what surfels' areas are multiplied by, 0: 3; 1 to 16 */
     bool bounce_near_off;        /* fragments nearer than their level's shell are thrown away */
+    al_carrier occlusion_carrier;
+    uint32_t screen_steps;       /* of AL_CARRIER_SCREEN's march, 0: 32; 1 to 1024 */
+    float screen_thickness_m;    /* of the surfaces it meets, 0: 1/32 of the scene's extent; 1e-6 to 1e6 */
     float occlusion_radius_m;    /* surfaces farther away do not occlude, 0: no limit; 1e-6 to 1e6 */
     bool occlusion_uniform;      /* its directions are drawn evenly, as published, not by the cosine */
     bool bounce_filter_off;      /* a pixel takes its own rays alone, from surfaces */
