@@ -10,6 +10,7 @@
 #include "half.h"
 #include "kinds.h"
 #include "layout.h"
+#include "medium_depth.h"
 #include "medium_sky.h"
 #include "record.h"
 
@@ -324,11 +325,12 @@ static void check_medium(const al_file *file, al_report *report)
     for (uint32_t i = 0; i < info.frame_count; i++) read_frame(file, &info, records, i, &frame, report);
     read_pages(file, &info, records, NULL, NULL, report);
     al_medium_sky_check(file, report);
+    al_medium_depth_check(file, &info, report);
 }
 
 static const al_chunk_rules chunks[] = {
     {"INFO", 1, 1, 1}, {"FRAM", 1, 1, 1}, {"INDX", 1, 1, 0}, {"PAGE", 1, 0, 0},
-    {"SKYI", 1, 0, 1}, {"SKYL", 1, 0, 1}, {"SKYC", 1, 0, 1}, {"PROV", 1, 0, 1}};
+    {"SKYI", 1, 0, 1}, {"SKYL", 1, 0, 1}, {"SKYC", 1, 0, 1}, {"DEPI", 1, 0, 1}, {"DEPL", 1, 0, 0}, {"PROV", 1, 0, 1}};
 
 const al_kind_rules al_medium_rules = {AL_KIND_MEDIUM, "medium", chunks, sizeof chunks / sizeof *chunks,
                                        check_medium};
@@ -563,6 +565,16 @@ static al_status encode_frame(encoder *e, al_writer *writer, uint32_t index, al_
     return status;
 }
 
+static al_status add_depths(const encoder *e, al_writer *writer, al_error *error)
+{
+    float *densities_max = malloc(e->info.frame_count * sizeof *densities_max);
+    if (!densities_max) return al_fail(error, AL_IO, "%s: out of memory for its frames", e->path);
+    for (uint32_t i = 0; i < e->info.frame_count; i++) densities_max[i] = e->frames[i].density_max;
+    al_status status = al_medium_depth_write(writer, e->path, e->data, densities_max, error);
+    free(densities_max);
+    return status;
+}
+
 static al_status add_chunks(encoder *e, al_writer *writer, al_error *error)
 {
     uint8_t bytes[256];
@@ -580,6 +592,7 @@ static al_status add_chunks(encoder *e, al_writer *writer, al_error *error)
     free(records);
     if (status == AL_OK && e->data->sky)
         status = al_medium_sky_write(writer, e->path, e->data->sky, e->data->sky_values, error);
+    if (status == AL_OK && e->data->depth) status = add_depths(e, writer, error);
     if (status == AL_OK && provenance)
         status = al_writer_add(writer, "PROV", 1, AL_CHUNK_OPTIONAL, provenance, strlen(provenance), error);
     return status;

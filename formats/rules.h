@@ -103,7 +103,9 @@
     RULE(AL_RULE_MEDIUM_SKY, 710, "SKYI and SKYL stand together, SKYC with them when SKYI says walled") \
     RULE(AL_RULE_MEDIUM_SKY_SIZE, 711, "SKYL has six bytes a point and number, SKYC eight a cell") \
     RULE(AL_RULE_MEDIUM_SKY_DEPTH, 712, "an optical depth of SKYL is a half from 0 to 64") \
-    RULE(AL_RULE_MEDIUM_SKY_PLANES, 713, "each eighth of SKYC takes a plane along each axis")
+    RULE(AL_RULE_MEDIUM_SKY_PLANES, 713, "each eighth of SKYC takes a plane along each axis") \
+    RULE(AL_RULE_MEDIUM_DEPTH, 714, "a medium with DEPI has one DEPL for each frame, one without has none") \
+    RULE(AL_RULE_MEDIUM_DEPTH_SIZE, 715, "DEPL has two bytes for each point and coefficient")
 
 #define AL_RULE_ENUM(name, number, text) name = number,
 enum al_rule { AL_RULES(AL_RULE_ENUM) };

@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "airlight/medium.h"
+
 enum { TEXT_LIMIT = 64 << 20, LIGHT_LIMIT = 64, PATH_LIMIT = 256, SENTENCE_LIMIT = 512 };
 
 /* --- what one parse works on --- */
@@ -203,7 +205,7 @@ typedef struct camera_fields {
 
 typedef struct medium_fields {
     char *name;
-    double sigma_s_per_m[3], sigma_a_per_m[3], albedo[3], mean_free_path_m[3], g;
+    double sigma_s_per_m[3], sigma_a_per_m[3], albedo[3], mean_free_path_m[3], g, optical_depth_order;
     node absorption_from, density;
 } medium_fields;
 
@@ -374,6 +376,7 @@ static const al_scene_key keys[] = {
     TRIPLE(medium, mean_free_path_m, TINY, FAR_M),
     OBJECT(medium, absorption_from, "absorption"),
     NUMBER(medium, g, -0.99, 0.99),
+    INTEGER(medium, optical_depth_order, 0, AL_DEPTH_ORDER_LIMIT),
     OBJECT(medium, density, "density"),
 
     NAME(absorption, mesh),
@@ -1101,6 +1104,7 @@ static al_status read_medium(const node *place, al_scene_description *out, al_me
     if (status) return status;
     medium->line = line_of(place->from, place->at);
     medium->g = f.g;
+    medium->optical_depth_order = (uint32_t)f.optical_depth_order;
     medium->name = copy_text(out, f.name);
     medium->absorption_mesh = copy_text(out, absorption.mesh ? absorption.mesh : "");
     medium->absorption_material = copy_text(out, absorption.material ? absorption.material : "");

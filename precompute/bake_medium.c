@@ -8,11 +8,12 @@
 #include <string.h>
 
 #include "airlight/medium.h"
+#include "fog_depth.h"
 #include "light_key.h"
 #include "sky_light.h"
 
 /* Part of every key: raise it when the asset changes for the same input. */
-static const uint32_t bake_version = 2;
+static const uint32_t bake_version = 2, depth_version = 1;
 
 enum { LAYER_SHARE = 8, LAYER_VOXELS = 256, LAYER_POINTS = 2 };
 
@@ -54,6 +55,10 @@ al_status al_bake_medium_key(const al_import *import, uint32_t fog, uint64_t *ke
     XXH64_update(state, &medium->g, sizeof medium->g);
     al_hash_density(state, import, &description_of(import, fog)->density);
     al_grid_sequence_hash(state, import, &description_of(import, fog)->density);
+    if (!al_fog_depth_missing(import, fog)) {
+        XXH64_update(state, &depth_version, sizeof depth_version);
+        XXH64_update(state, &description_of(import, fog)->optical_depth_order, sizeof(uint32_t));
+    }
     al_status status = AL_OK;
     if (!al_sky_light_missing(import, fog)) {
         uint64_t light;
@@ -165,6 +170,7 @@ al_status al_bake_medium(const al_import *import, uint32_t fog, uint64_t key, co
     uint64_t bytes = 0;
     source s = {0};
     al_sky_light light = {0};
+    al_fog_depths depths = {0};
     al_medium_data data = {.user = &s, .provenance_json = provenance};
     describe(import, fog, &s, &data.info);
     data.slice = s.voxels.values              ? grid_slice
@@ -184,12 +190,16 @@ al_status al_bake_medium(const al_import *import, uint32_t fog, uint64_t key, co
                          (uint64_t)light.sky.size[0] * light.sky.size[1] * light.sky.size[2]);
         started = al_program_seconds();
     }
+    if (!al_fog_depth_missing(import, fog)) al_fog_depths_place(import, fog, options, &data, &depths);
     al_bake_medium_file(import, fog, file, sizeof file);
     snprintf(path, sizeof path, "%s/%s", options->folder, file);
     snprintf(provenance, sizeof provenance, "{\"key\":\"%016llx\"}", (unsigned long long)key);
     if (status == AL_OK) status = al_medium_write(path, &data, &bytes, error);
+    if (status == AL_OK && data.depth)
+        al_steps_add(steps, "fog depth", al_program_seconds() - depths.seconds, 0,
+                     (uint64_t)data.depth->size[0] * data.depth->size[1] * data.depth->size[2] * data.info.frame_count);
     if (status == AL_OK)
-        al_steps_add(steps, "medium", started, bytes,
+        al_steps_add(steps, "medium", started + depths.seconds, bytes,
                      (uint64_t)data.info.size[0] * data.info.size[1] * data.info.size[2] * data.info.frame_count);
     al_sky_light_free(&light);
     al_grid_sequence_close(sequence);

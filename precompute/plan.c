@@ -4,6 +4,7 @@
 
 #include "atlas.h"
 #include "bake_medium.h"
+#include "fog_depth.h"
 #include "place_probes.h"
 #include "sky_light.h"
 
@@ -13,6 +14,7 @@ static const double seconds_per_sample_direction = 5e-7;
 static const double seconds_per_sample = 3e-4;
 
 static const double seconds_per_sky_fog = 5;
+static const double seconds_per_depth_frame = 5;
 
 /* On one core, room of docs/methods.md; a path is one sample of a texel. */
 static const double seconds_per_path_segment = 1.5e-6;
@@ -52,6 +54,20 @@ static void add_sky_light(const al_import *import, al_plan *plan)
     }
     add(plan, "sky light", lit > 0, lit ? "fog scatters light of the environment to the eye" : why,
         lit * seconds_per_sky_fog, lit * 8e6);
+}
+
+static void add_fog_depth(const al_import *import, al_plan *plan)
+{
+    const char *why = "the scene has no fog";
+    double frames = 0;
+    for (uint32_t i = 0; i < import->scene.fog_count; i++) {
+        const char *missing = al_fog_depth_missing(import, i);
+        if (!missing) frames += import->description->media[import->scene.fogs[i].medium].density.frame_count;
+        if (missing && !frames) why = missing;
+    }
+    add(plan, "fog depth", frames > 0,
+        frames > 0 ? "optical_depth_order: the player may take light from surfaces to the fog through baked depths" : why,
+        frames * seconds_per_depth_frame, 2e6);
 }
 
 static void add_lightmap(const al_import *import, al_plan *plan)
@@ -149,6 +165,7 @@ void al_plan_make(const al_import *import, al_plan *plan)
                                      : "the scene has no environment light",
         0.1, 12.0 * scene->environment.width * scene->environment.height);
     add_sky_light(import, plan);
+    add_fog_depth(import, plan);
     add_tables(import, plan);
     add_lightmap(import, plan);
     add_probes(import, plan);

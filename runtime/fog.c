@@ -29,6 +29,7 @@ void al_fog_free(al_runtime *runtime)
     al_gl_buffer_free(&runtime->memory, &fogs->constants);
     al_gl_buffer_free(&runtime->memory, &fogs->cells);
     al_gl_texture_free(&runtime->memory, &fogs->bricks);
+    al_gl_texture_free(&runtime->memory, &fogs->depth);
     al_fog_sky_free(runtime);
     free(fogs->media);
     memset(fogs, 0, sizeof *fogs);
@@ -129,13 +130,16 @@ al_status al_fog_accept(al_runtime *runtime, const al_arrival *arrival, uint64_t
         medium->times_s = arrival->times_s;
         medium->brick_limit = arrival->brick_limit;
         medium->sky = arrival->sky;
+        medium->depth = arrival->depth;
         medium->present = true;
+        medium->slots[medium->incoming].depths = arrival->depths;
         al_fog_begin_frame(medium, 0, &arrival->frame);
         runtime->moving.length_s = fmax(runtime->moving.length_s, al_fog_length_s(runtime));
         return AL_OK;
     }
     if (medium->failed) return AL_OK;
     if (arrival->kind == AL_ARRIVAL_FRAME) {
+        medium->slots[medium->incoming].depths = arrival->depths;
         al_fog_begin_frame(medium, arrival->frame_index, &arrival->frame);
         return AL_OK;
     }
@@ -228,6 +232,7 @@ void al_fog_prepare(al_draw *draw)
             continue;
         if (complete) al_fog_sky_fill(runtime, medium, &block->fogs[count]);
         al_fog_move(fog, &block->fogs[count]);
+        fogs->shown[count] = i;
         count++;
     }
     fogs->drawn = count > 0;

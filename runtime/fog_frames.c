@@ -43,6 +43,7 @@ static void show(al_fog_medium *medium, uint32_t slot)
     medium->first_brick = s->first_brick;
     medium->first_cell = s->first_cell;
     medium->loaded = s->loaded;
+    medium->depths = s->depths;
 }
 
 static bool is_whole(const al_fog_slot *slot)

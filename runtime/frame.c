@@ -55,6 +55,8 @@ static al_status check(const al_view *view, const al_settings *settings, al_erro
                        settings->screen_steps, (double)settings->screen_thickness_m, AL_CARRIER_COUNT - 1);
     if ((unsigned)settings->interval_weights >= AL_INTERVAL_WEIGHTS_COUNT)
         return al_fail(error, AL_USAGE, "settings: no such interval weights");
+    if ((unsigned)settings->second_leg >= AL_SECOND_LEG_COUNT)
+        return al_fail(error, AL_USAGE, "settings: no such second leg");
     if (settings->fog_steps > 1024)
         return al_fail(error, AL_USAGE, "settings: %u fog steps; use 1 to 1024, or 0 for 32",
                        settings->fog_steps);

@@ -191,6 +191,7 @@ uint64_t al_shells_bytes(const al_runtime *runtime)
     const al_shells *shells = &runtime->shells;
     const al_bounce *bounce = &runtime->bounce;
     return shells->span.bytes + shells->levels.bytes + shells->light.bytes + runtime->legs.extinction.bytes +
+           runtime->fogs.depth.bytes +
            runtime->legs.constants.size + bounce->rays.bytes + bounce->hits.bytes + bounce->depths.bytes +
            bounce->constants.size;
 }

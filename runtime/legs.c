@@ -1,6 +1,7 @@
-/* The coarse grid of all gridded media that passes with very many legs march through; made anew each frame, as media
- * may move. */
+/* What passes with very many legs ask for extinction along them: the coarse grid of all gridded media, made anew each
+ * frame, as media may move, or the baked optical depths. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "state.h"
@@ -11,7 +12,7 @@ enum { EDGE = 32 };
 static bool fill(const al_fog_block *fogs, uint32_t steps, al_legs_block *block)
 {
     float high[3] = {-INFINITY, -INFINITY, -INFINITY};
-    *block = (al_legs_block){{INFINITY, INFINITY, INFINITY, (float)steps}, {0}};
+    *block = (al_legs_block){.low = {INFINITY, INFINITY, INFINITY, (float)steps}};
     for (int32_t i = 0; i < fogs->counts[0]; i++) {
         const al_fog_entry *fog = &fogs->fogs[i];
         if (!fog->cells[0]) continue;
@@ -36,9 +37,13 @@ al_status al_legs_run(al_draw *draw)
         status = al_gl_buffer_create(&runtime->memory, sizeof block, NULL, &legs->constants, draw->error);
     if (status) return status;
     bool gridded = fill(&runtime->fogs.block, draw->settings.second_leg_steps, &block);
+    legs->order = 0;
+    if (draw->settings.second_leg == AL_SECOND_LEG_BAKED) status = al_fog_depth_run(draw, &block, &legs->order);
+    if (status) return status;
+    block.stride[0] = runtime->fogs.depth_stride;
     glNamedBufferSubData(legs->constants.id, 0, sizeof block, &block);
     glBindBufferBase(GL_UNIFORM_BUFFER, 5, legs->constants.id);
-    if (!gridded) return AL_OK;
+    if (!gridded || legs->order) return AL_OK;
     status = al_gl_texture_fit(&runtime->memory, GL_TEXTURE_3D, GL_RGBA32F, EDGE, EDGE, EDGE, &legs->extinction,
                                draw->error);
     if (!status) status = al_shaders_get(runtime->shaders, "legs.comp", "", &program, draw->error);
@@ -52,6 +57,22 @@ al_status al_legs_run(al_draw *draw)
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     al_timing_end(&runtime->timing);
     return AL_OK;
+}
+
+void al_legs_define(const al_draw *draw, char defines[64])
+{
+    uint32_t order = draw->runtime->legs.order;
+    if (draw->settings.second_leg_off)
+        *defines = 0;
+    else if (order)
+        snprintf(defines, 64, "#define AL_LEG\n#define AL_DEPTH_ORDER %u\n", order);
+    else
+        snprintf(defines, 64, "#define AL_LEG\n");
+}
+
+GLuint al_legs_texture(const al_runtime *runtime)
+{
+    return runtime->legs.order ? runtime->fogs.depth.id : runtime->legs.extinction.id;
 }
 
 void al_legs_free(al_runtime *runtime)

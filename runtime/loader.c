@@ -13,6 +13,7 @@ typedef struct asset {
     al_file *file;
     al_translucent_info info;
     al_medium_info medium;
+    al_medium_depth depth;
     al_medium_frame frame; /* the one whose pages are read */
     uint32_t frame_index;
     float *times_s;
@@ -78,6 +79,8 @@ static void open_object(asset *a, al_arrival *arrival)
 static void open_frame(asset *a, uint32_t index, al_arrival_kind kind, al_arrival *arrival)
 {
     al_status status = al_medium_read_frame(a->file, &a->medium, index, &a->frame, &arrival->error);
+    if (!status && a->depth.size[0])
+        status = al_medium_read_depths(a->file, &a->depth, index, &arrival->depths, &arrival->error);
     a->frame_index = arrival->frame_index = index;
     arrival->frame = a->frame;
     arrival->kind = status ? AL_ARRIVAL_FAILURE : kind;
@@ -97,6 +100,8 @@ static void open_medium(asset *a, al_arrival *arrival)
     }
     if (!status) status = al_medium_read_times(a->file, &a->medium, a->times_s, a->brick_counts, &arrival->error);
     if (!status) status = al_medium_read_sky(a->file, &arrival->sky, &arrival->error);
+    if (!status) status = al_medium_read_depth(a->file, &a->medium, &a->depth, &arrival->error);
+    arrival->depth = a->depth;
     arrival->kind = AL_ARRIVAL_FAILURE;
     if (status) return;
     open_frame(a, 0, AL_ARRIVAL_MEDIUM, arrival);

@@ -39,6 +39,8 @@ typedef struct al_arrival {
     al_medium_frame frame;
     uint32_t frame_index;
     al_medium_sky sky; /* with AL_ARRIVAL_MEDIUM */
+    al_medium_depth depth; /* likewise */
+    const uint16_t *depths; /* of the frame, where there are some */
     al_medium_page bricks;
     al_lightmap_info lightmap;
     const al_lightmap_instance *instances; /* [lightmap.instance_count] */

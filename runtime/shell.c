@@ -47,10 +47,11 @@ al_status al_shells_draw(al_draw *draw)
     al_runtime *runtime = draw->runtime;
     al_shells *shells = &runtime->shells;
     const al_shell_block *block = &shells->block;
-    char defines[128];
+    char defines[192], leg[64];
     GLuint program, before = shells->levels.id;
+    al_legs_define(draw, leg);
     snprintf(defines, sizeof defines, "#define AL_LEVELS %d\n%s%s%s", block->counts[0],
-             al_interval_map_define(runtime), draw->settings.second_leg_off ? "" : "#define AL_LEG\n",
+             al_interval_map_define(runtime), leg,
              draw->settings.shells_clamped ? "#define AL_CLAMPED\n" : "");
     al_status status = al_gl_texture_fit(&runtime->memory, GL_TEXTURE_2D_ARRAY, GL_RGBA32F, (uint32_t)block->size[0],
                                          (uint32_t)block->size[1], (uint32_t)block->counts[0], &shells->levels,
@@ -71,7 +72,7 @@ al_status al_shells_draw(al_draw *draw)
     al_gl_bind_texture(AL_UNIT_PASS + 1, shells->ends.id);
     al_gl_bind_texture(AL_UNIT_PASS + 2, shells->weights.id);
     al_gl_bind_texture(AL_UNIT_PASS + 3, shells->span.id);
-    al_gl_bind_texture(AL_UNIT_PASS + 4, runtime->legs.extinction.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 4, al_legs_texture(runtime));
     glEnable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ONE);
     al_surfels_draw_points(draw);

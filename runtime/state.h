@@ -74,6 +74,7 @@ typedef struct al_fog_slot { /* for a frame, in the atlas */
     bool filled;                  /* with that frame, as far as it is loaded */
     uint32_t first_brick, loaded; /* bricks on the GPU */
     uint64_t first_cell;
+    const uint16_t *depths; /* as al_medium_read_depths, the loader's */
 } al_fog_slot;
 
 typedef struct al_fog_medium { /* of one al_scene.fogs whose density varies */
@@ -89,14 +90,19 @@ typedef struct al_fog_medium { /* of one al_scene.fogs whose density varies */
     uint32_t wanted;           /* the frame at the time */
     al_medium_sky sky;           /* the loader's; size 0: none */
     int32_t sky_slice, sky_cell; /* its first ones along z of the textures */
+    al_medium_depth depth;       /* size 0: none */
+    const uint16_t *depths, *depths_uploaded; /* of the frame that is shown; what the texture holds */
+    int32_t depth_slice;         /* its first one along z */
 } al_fog_medium;
 
 typedef struct al_fogs {
     al_fog_medium *media; /* [scene.fog_count] */
     al_gl_buffer constants, cells;
-    al_gl_texture bricks, sky_light, sky_planes;
+    al_gl_texture bricks, sky_light, sky_planes, depth;
     int32_t atlas[3];   /* bricks along its axes */
     int32_t sky_stride; /* texels along x from number to number of sky_light */
+    int32_t depth_stride; /* likewise of depth, from texel to texel of a point */
+    uint32_t shown[AL_FOG_LIMIT]; /* number among scene.fogs of each of block.fogs */
     bool drawn;         /* in the frame being drawn */
     al_fog_block block; /* of that frame */
 } al_fogs;
@@ -123,13 +129,22 @@ typedef struct al_shells {      /* what surfaces send into the media; all of one
 } al_shells;
 
 /* shaders/legs.glsl */
+typedef struct al_leg_depth {
+    float to_share[16], edge[4];
+    int32_t size[4];
+} al_leg_depth;
+
 typedef struct al_legs_block {
     float low[4], extent[4];
+    int32_t stride[4];
+    al_leg_depth depths[AL_FOG_LIMIT];
 } al_legs_block;
+_Static_assert(sizeof(al_legs_block) == 48 + 8 * 96, "std140");
 
 typedef struct al_legs {
     al_gl_texture extinction; /* of all gridded media, coarse */
     al_gl_buffer constants;
+    uint32_t order; /* of the baked depths that this frame's legs are taken from, 0: none are */
 } al_legs;
 
 /* shaders/bounce.glsl */
@@ -407,7 +422,10 @@ void al_bounce_clear(const al_draw *draw, const al_shell_block *block); /* no hi
 al_status al_volumes_trace(al_draw *draw, al_stage stage, const al_shell_block *block);
 al_status al_volumes_sum(al_draw *draw, al_stage stage);
 void al_bounce_free(al_runtime *runtime);
-al_status al_legs_run(al_draw *draw); /* legs.c */
+/* legs.c: what leg_transmittance needs in this frame, its defines (at most 64 bytes) and its texture. */
+al_status al_legs_run(al_draw *draw);
+void al_legs_define(const al_draw *draw, char defines[64]);
+GLuint al_legs_texture(const al_runtime *runtime);
 void al_legs_free(al_runtime *runtime);
 /* shell.c: by which splats are left out, start and end of the medium on every ray, or the surface's distance with
  * AL_SURFACE as `choice`, and of the nearest and farthest among ever more of them */
@@ -424,6 +442,9 @@ void al_fog_sky_bind(const al_runtime *runtime);
 bool al_fog_sky_exists(const al_runtime *runtime);
 uint64_t al_fog_sky_bytes(const al_runtime *runtime);
 void al_fog_sky_free(al_runtime *runtime);
+
+/* fog_depth.c: the baked depths of the fogs in fogs.depth and the block; AL_BAD_INPUT where one keeps none. */
+al_status al_fog_depth_run(al_draw *draw, al_legs_block *block, uint32_t *order);
 
 /* lightmap.c */
 al_status al_lightmap_accept(al_runtime *runtime, const al_arrival *arrival, uint64_t *budget, bool *done,

@@ -35,14 +35,23 @@ static json_t *sky_facts(const al_medium_sky *sky)
                      "unit_w_m2_sr", json_number(sky->unit_w_m2_sr), "walled", json_boolean(sky->walled));
 }
 
+static json_t *depth_facts(const al_medium_depth *depth)
+{
+    if (!depth->size[0]) return json_null();
+    return json_pack("{s:[i,i,i],s:i}", "points", (int)depth->size[0], (int)depth->size[1], (int)depth->size[2], "order",
+                     (int)depth->order);
+}
+
 static al_status summary(const al_file *file, json_t **out, al_error *error)
 {
     al_medium_info info;
     uint32_t cells[3];
     uint64_t bricks;
     al_medium_sky sky;
+    al_medium_depth depth;
     al_status status = al_medium_read(file, &info, error);
     if (status == AL_OK) status = al_medium_read_sky(file, &sky, error);
+    if (status == AL_OK) status = al_medium_read_depth(file, &info, &depth, error);
     if (status != AL_OK) return status;
     json_t *frames = frame_list(file, &info, &bricks, error);
     if (!frames) return error->status;
@@ -65,6 +74,7 @@ static al_status summary(const al_file *file, json_t **out, al_error *error)
     json_object_set_new(o, "g", json_number(info.g));
     json_object_set_new(o, "frames", frames);
     json_object_set_new(o, "sky", sky_facts(&sky));
+    json_object_set_new(o, "optical_depth", depth_facts(&depth));
     json_object_set_new(o, "provenance", json_provenance(file));
     *out = o;
     return AL_OK;
@@ -87,6 +97,32 @@ static al_status query_time(const json_t *query, double *time_s, al_error *error
     *time_s = given ? json_number_value(given) : 0;
     bool good = !given || (json_is_number(given) && isfinite(*time_s));
     return good ? AL_OK : al_fail(error, AL_USAGE, "--eval: \"time\" should be a finite number");
+}
+
+/* Of the frame that is shown at the time, the nearest: coefficients of the density's integral to the bounds, m. */
+static al_status add_depth(const al_file *file, const al_medium_info *info, const float position[3], double time_s,
+                           json_t *answer, al_error *error)
+{
+    al_medium_depth depth;
+    al_medium_frame frame, nearest = {0};
+    uint32_t index = 0;
+    const uint16_t *values;
+    double sh[AL_DEPTH_TERMS_LIMIT];
+    float numbers[AL_DEPTH_TERMS_LIMIT];
+    al_status status = al_medium_read_depth(file, info, &depth, error);
+    if (status != AL_OK || !depth.size[0]) return status;
+    for (uint32_t i = 0; i < info->frame_count && status == AL_OK; i++) {
+        status = al_medium_read_frame(file, info, i, &frame, error);
+        if (i && fabs(frame.time_s - time_s) > fabs(nearest.time_s - time_s)) break;
+        nearest = frame;
+        index = i;
+    }
+    if (status == AL_OK) status = al_medium_read_depths(file, &depth, index, &values, error);
+    if (status != AL_OK) return status;
+    al_medium_depth_at(info, &depth, values, nearest.density_max, (double[3]){position[0], position[1], position[2]}, sh);
+    for (uint32_t k = 0; k < depth.order * depth.order; k++) numbers[k] = (float)sh[k];
+    json_object_set_new(answer, "depth_sh_m", json_numbers(numbers, depth.order * depth.order));
+    return AL_OK;
 }
 
 static al_status evaluate(const al_file *file, const json_t *query, json_t **answer, al_error *error)
@@ -126,7 +162,12 @@ static al_status evaluate(const al_file *file, const json_t *query, json_t **ans
         json_object_set_new(*answer, "sky_sh", channels);
     }
     al_medium_field_close(field);
-    return AL_OK;
+    status = add_depth(file, &info, position, time_s, *answer, error);
+    if (status != AL_OK) {
+        json_decref(*answer);
+        *answer = NULL;
+    }
+    return status;
 }
 
 /* --- picture: the first frame in the middle planes of its bounds, seen from +x, +y, +z --- */

@@ -9,7 +9,7 @@
 
 /* What the parser writes to before it becomes settings. */
 typedef struct raw_options {
-    const char *pass, *view_leg, *scattered, *interval_weights, *occlusion_carrier;
+    const char *pass, *view_leg, *second_leg, *scattered, *interval_weights, *occlusion_carrier;
     int samples, sh_order, intervals, fog_steps, shell_levels, shown_level, second_leg_steps, blur, bounce_samples, surfel_limit,
         bounce_filter, screen_steps;
     double march_step, shell_epsilon, shell_radius, surfel_size, bounce_radius, bounce_overlap, occlusion_radius, screen_thickness;
@@ -46,6 +46,14 @@ static int set_view_leg(const al_program *program, const char *name, al_view_leg
     if (!strcmp(name, "marched")) return *leg = AL_VIEW_LEG_MARCHED, -1;
     if (!strcmp(name, "sh")) return *leg = AL_VIEW_LEG_SH, -1;
     return refuse(program, "--view-leg takes marched or sh, not '%s'", name);
+}
+
+static int set_second_leg(const al_program *program, const char *name, al_settings *settings)
+{
+    if (!strcmp(name, "none")) settings->second_leg_off = true;
+    settings->second_leg = !strcmp(name, "baked") ? AL_SECOND_LEG_BAKED : AL_SECOND_LEG_MARCHED;
+    if (settings->second_leg == AL_SECOND_LEG_BAKED || !strcmp(name, "none") || !strcmp(name, "marched")) return -1;
+    return refuse(program, "--second-leg takes marched, baked or none, not '%s'", name);
 }
 
 static int set_scattered(const al_program *program, const char *word, bool *off)
@@ -135,6 +143,7 @@ static int apply(const al_program *program, const raw_options *raw, al_play_opti
     options->headless |= options->plan;
     int code = set_pass(program, raw->pass, &s->pass);
     if (code < 0) code = set_view_leg(program, raw->view_leg, &s->view_leg);
+    if (code < 0) code = set_second_leg(program, raw->second_leg, s);
     if (code < 0) code = set_scattered(program, raw->scattered, &s->scattered_off);
     if (code < 0) code = set_interval_weights(program, raw->interval_weights, &s->interval_weights);
     if (code < 0) code = set_occlusion_carrier(program, raw->occlusion_carrier, &s->occlusion_carrier);
@@ -143,8 +152,8 @@ static int apply(const al_program *program, const raw_options *raw, al_play_opti
 
 int al_play_options_parse(al_program *program, int argc, char **argv, al_play_options *options)
 {
-    raw_options raw = {.pass = "composite", .view_leg = "marched", .scattered = "on", .interval_weights = "auto",
-                       .occlusion_carrier = "surfels", .blur = -1, .bounce_filter = -1};
+    raw_options raw = {.pass = "composite", .view_leg = "marched", .second_leg = "marched", .scattered = "on",
+                       .interval_weights = "auto", .occlusion_carrier = "surfels", .blur = -1, .bounce_filter = -1};
     *options = (al_play_options){.size = {1280, 720}, .exposure_ev = NAN};
     const al_option table[] = {
         {"--headless", NULL, AL_OPTION_FLAG, &options->headless, "render without a display, then end", 0, 0},
@@ -200,7 +209,9 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
          1e6},
         {"--shells-closed", NULL, AL_OPTION_FLAG, &raw.shells_closed, "the outermost shell ends by epsilon too", 0, 0},
         {"--shells-clamped", NULL, AL_OPTION_FLAG, &raw.shells_clamped, "light of near surfels is clamped", 0, 0},
-        {"--no-second-leg", NULL, AL_OPTION_FLAG, &raw.no_second_leg, "no extinction between surfaces and fog", 0, 0},
+        {"--second-leg", "KIND", AL_OPTION_STRING, &raw.second_leg,
+         "extinction between surfaces and fog: marched, baked (media with optical_depth_order) or none (marched)", 0, 0},
+        {"--no-second-leg", NULL, AL_OPTION_FLAG, &raw.no_second_leg, "the same as --second-leg none", 0, 0},
         {"--second-leg-steps", "N", AL_OPTION_INT, &raw.second_leg_steps, "steps between surface and fog through grids (4)", 1, 64},
         {"--interval-weights", "KIND", AL_OPTION_STRING, &raw.interval_weights,
          "what the interval map stores: auto, coloured or coefficients (auto)", 0, 0},

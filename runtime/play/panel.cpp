@@ -178,14 +178,19 @@ static void show_quality(al_panel_state *state)
     }
 }
 
-/* Light of surfaces that the fog scatters. */
-static void show_surface_scattering(al_settings *s)
+/* Light of surfaces that the fog scatters; `baked`: all media keep optical depths. */
+static void show_surface_scattering(al_settings *s, bool baked)
 {
     if (!ImGui::CollapsingHeader("surfaces into fog")) return;
-    bool on = !s->surface_scattering_off, leg = !s->second_leg_off, open = !s->shells_closed, blur = !s->blur_off;
+    bool on = !s->surface_scattering_off, open = !s->shells_closed, blur = !s->blur_off;
     if (ImGui::Checkbox("on", &on)) s->surface_scattering_off = !on;
     ImGui::Checkbox("surfaces hide others", &s->visibility);
-    if (ImGui::Checkbox("extinction from surface to fog", &leg)) s->second_leg_off = !leg;
+    static const char *const legs[] = {"none", "marched", "baked"};
+    int leg = s->second_leg_off ? 0 : 1 + (int)s->second_leg;
+    if (ImGui::Combo("surface to fog", &leg, legs, baked ? 3 : 2)) {
+        s->second_leg_off = leg == 0;
+        s->second_leg = leg == 2 ? AL_SECOND_LEG_BAKED : AL_SECOND_LEG_MARCHED;
+    }
     float epsilon = s->shell_epsilon_w_m2_sr > 0 ? s->shell_epsilon_w_m2_sr : 0.06f;
     const char *format = s->shell_epsilon_w_m2_sr > 0 ? "%.4g" : "0.06 as shown";
     if (ImGui::SliderFloat("epsilon, W/(m2 sr)", &epsilon, 1e-4f, 1, format, ImGuiSliderFlags_Logarithmic))
@@ -283,7 +288,7 @@ static void show_panel(al_panel_state *state)
         show_time(state);
         show_picture(state, scene);
         show_quality(state);
-        if (scene->fog_count) show_surface_scattering(state->settings);
+        if (scene->fog_count) show_surface_scattering(state->settings, al_runtime_keeps_depths(state->runtime));
         if (scene->mesh_count) show_surfaces(state->settings);
         show_times(state);
         show_plan(state->runtime);

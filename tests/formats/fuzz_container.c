@@ -106,7 +106,9 @@ static bool read_medium(const al_file *file)
     al_medium_page page;
     al_medium_field *field;
     al_medium_sky sky;
-    double sh[3][AL_SKY_TERMS_LIMIT];
+    al_medium_depth depth;
+    const uint16_t *depths = NULL;
+    double sh[3][AL_SKY_TERMS_LIMIT], depth_sh[AL_DEPTH_TERMS_LIMIT];
     if (al_medium_read(file, &info, NULL) != AL_OK) return false;
     for (uint32_t i = 0; i < info.frame_count; i++) {
         if (al_medium_read_frame(file, &info, i, &frame, NULL) != AL_OK) return false;
@@ -114,6 +116,9 @@ static bool read_medium(const al_file *file)
             if (al_medium_read_page(file, &info, i, p, &page, NULL) != AL_OK) return false;
     }
     if (al_medium_read_sky(file, &sky, NULL) != AL_OK) return false;
+    if (al_medium_read_depth(file, &info, &depth, NULL) != AL_OK) return false;
+    for (uint32_t i = 0; depth.size[0] && i < info.frame_count; i++)
+        if (al_medium_read_depths(file, &depth, i, &depths, NULL) != AL_OK) return false;
     REQUIRE(al_medium_field_open(file, &info, &field, NULL) == AL_OK);
     for (int i = 0; i < 64; i++) {
         double place[3];
@@ -122,6 +127,7 @@ static bool read_medium(const al_file *file)
                        ((double)info.bounds_max_m[k] - info.bounds_min_m[k]) * (i >> 2 * k & 3) / 3;
         REQUIRE(al_medium_evaluate(field, place, i * 0.05) >= 0);
         if (sky.size[0]) al_medium_sky_at(&info, &sky, place, sh);
+        if (depth.size[0]) al_medium_depth_at(&info, &depth, depths, 1, place, depth_sh);
     }
     al_medium_field_close(field);
     return true;

@@ -291,3 +291,23 @@ void golden_fill_medium_sky(al_medium_data *data)
     data->sky = &lattice;
     data->sky_values = values;
 }
+
+/* 2 x 2 x 2 points of order 2. Number n at point i of frame f: n + 1 - i / 4 + 8 f units. */
+static al_status golden_depths(void *user, uint32_t frame, float *coefficients, al_error *error)
+{
+    const al_medium_data *data = user;
+    double unit_m = al_medium_depth_unit_m(&data->info, frame ? 4 : 2);
+    (void)error;
+    for (uint32_t k = 0; k < 4 * 8; k++)
+        coefficients[k] = (float)(unit_m * (k / 8 + 1 - 0.25 * (k % 8) + 8 * frame));
+    return AL_OK;
+}
+
+void golden_fill_medium_depth(al_medium_data *data)
+{
+    static const al_medium_depth depth = {.size = {2, 2, 2}, .order = 2};
+    golden_fill_medium(data);
+    data->depth = &depth;
+    data->depths = golden_depths;
+    data->depths_user = data;
+}

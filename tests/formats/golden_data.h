@@ -57,6 +57,7 @@ void golden_fill_impulse(golden_impulse *golden);
 /* Two frames of 10 x 2 x 9 voxels in two bricks, of which the first frame lacks one; pages of one brick. */
 void golden_fill_medium(al_medium_data *data);
 void golden_fill_medium_sky(al_medium_data *data); /* the same with light of the sky */
+void golden_fill_medium_depth(al_medium_data *data); /* the first with optical depths */
 /* The density the golden medium has in voxel x, y, z of a frame. */
 float golden_density(uint32_t frame, uint32_t x, uint32_t y, uint32_t z);
 

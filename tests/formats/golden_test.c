@@ -12,7 +12,7 @@ static const char *const valid[] = {"translucent_float_1_0", "translucent_half_1
                                     "scene_1_0",            "scene_lit_1_0",
                                     "scene_moving_1_0",
                                     "impulse_tables_1_0",   "lightmap_float_1_0", "lightmap_half_1_0",
-                                    "medium_1_0",           "medium_sky_1_0",
+                                    "medium_1_0",           "medium_sky_1_0",     "medium_depth_1_0",
                                     "probes_1_0"};
 
 static forged load_golden(const char *name)
@@ -69,6 +69,8 @@ static al_status read_medium(const al_file *file, al_error *error)
     al_medium_frame frame;
     al_medium_page page;
     al_medium_sky sky;
+    al_medium_depth depth;
+    const uint16_t *depths;
     al_status status = al_medium_read(file, &info, error);
     for (uint32_t i = 0; status == AL_OK && i < info.frame_count; i++) {
         status = al_medium_read_frame(file, &info, i, &frame, error);
@@ -76,6 +78,9 @@ static al_status read_medium(const al_file *file, al_error *error)
             status = al_medium_read_page(file, &info, i, p, &page, error);
     }
     if (status == AL_OK) status = al_medium_read_sky(file, &sky, error);
+    if (status == AL_OK) status = al_medium_read_depth(file, &info, &depth, error);
+    for (uint32_t i = 0; status == AL_OK && depth.size[0] && i < info.frame_count; i++)
+        status = al_medium_read_depths(file, &depth, i, &depths, error);
     return status;
 }
 
@@ -260,6 +265,9 @@ static void test_same_bytes(const char *folder)
     golden_fill_medium_sky(&medium);
     CHECK(al_medium_write(path, &medium, NULL, &error) == AL_OK);
     compare_bytes("medium_sky_1_0", path);
+    golden_fill_medium_depth(&medium);
+    CHECK(al_medium_write(path, &medium, NULL, &error) == AL_OK);
+    compare_bytes("medium_depth_1_0", path);
     al_probes_data probes;
     golden_fill_probes(&probes);
     CHECK(al_probes_write(path, &probes, NULL, &error) == AL_OK);

@@ -159,8 +159,12 @@ static al_status write_lightmap(al_error *error)
 
 static al_status write_medium(al_error *error)
 {
-    al_medium_data medium;
+    al_medium_data medium, depth;
     golden_fill_medium_sky(&medium);
+    golden_fill_medium_depth(&depth);
+    medium.depth = depth.depth;
+    medium.depths = depth.depths;
+    medium.depths_user = &medium;
     return al_medium_write(path, &medium, NULL, error);
 }
 

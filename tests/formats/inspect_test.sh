@@ -88,6 +88,9 @@ run 0 medium_1_0.air --eval '{"position": [0, 5, 0]}'
 # Point 11 of the sky's light stands at the upper corner: number n of channel c is (n + c/4 - 11/16) exp(-11/4).
 run 0 medium_sky_1_0.air --eval '{"position": [2.75, 0.5, 4.25]}'
 grep -q '"sky_sh": \[\[0.0199' "$work/out" || wrong "answer: $(cat "$work/out")"
+# Optical depths there, point 7: number n of the second frame is (n + 29/4) times its unit, 4 x 5.886 m / 4096.
+run 0 medium_depth_1_0.air --eval '{"position": [2.75, 0.5, 4.25], "time": 0.8}'
+grep -q '"depth_sh_m": \[0.0416[0-9]*, 0.0474[0-9]*, 0.0531[0-9]*, 0.0589[0-9]*\]' "$work/out" || wrong "answer: $(cat "$work/out")"
 fails 2 '"time" should be a finite number' medium_1_0.air --eval '{"position": [0, 0, 0], "time": "now"}'
 fails 2 'answers no questions' scene_1_0.air --eval '{}'
 fails 3 '(rule 106)' refuse_106_header_checksum.air --eval '{"position": [0, 0, 0], "direction": [0, 1, 0]}'

@@ -59,6 +59,10 @@ static al_status write_valid(const char *folder, al_error *error)
     if (status != AL_OK) return status;
     golden_fill_medium_sky(&medium);
     snprintf(path, sizeof path, "%s/medium_sky_1_0.air", folder);
+    status = al_medium_write(path, &medium, NULL, error);
+    if (status != AL_OK) return status;
+    golden_fill_medium_depth(&medium);
+    snprintf(path, sizeof path, "%s/medium_depth_1_0.air", folder);
     return al_medium_write(path, &medium, NULL, error);
 }
 

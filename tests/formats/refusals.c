@@ -11,6 +11,7 @@
 #define MAP_FLOAT "lightmap_float_1_0"
 #define MEDIUM "medium_1_0"
 #define SKY "medium_sky_1_0"
+#define DEPTH "medium_depth_1_0"
 
 #define IMPULSE "impulse_tables_1_0"
 
@@ -185,6 +186,11 @@ const refusal refusals[] = {
     {711, "sky_light_too_short", SKY, SEAL_ALL, {RESIZE("SKYL", 0, 358), CHUNK("SKYL", 0, 358, 2, 0)}},
     {712, "sky_depth_negative", SKY, SEAL_ALL, {CHUNK("SKYL", 0, 6, 2, 0xbc00)}},
     {713, "sky_planes_of_none", SKY, SEAL_ALL, {CHUNK("SKYC", 0, 3, 1, 0x36)}},
+    {714, "depths_of_a_frame_missing", DEPTH, SEAL_ALL, {HIDE("DEPL", 1)}},
+    {714, "depths_unannounced", DEPTH, SEAL_ALL, {HIDE("DEPI", 0)}},
+    {715, "depths_too_short", DEPTH, SEAL_ALL, {RESIZE("DEPL", 1, 62), CHUNK("DEPL", 1, 62, 2, 0)}},
+    {131, "depth_not_finite", DEPTH, SEAL_ALL, {CHUNK("DEPL", 1, 20, 2, 0x7c00)}},
+    {132, "depth_order_six", DEPTH, SEAL_ALL, {CHUNK("DEPI", 0, 12, 4, 6)}},
     {131, "sky_light_not_finite", SKY, SEAL_ALL, {CHUNK("SKYL", 0, 200, 2, 0x7c00)}},
     {132, "sky_order_zero", SKY, SEAL_ALL, {CHUNK("SKYI", 0, 12, 4, 0)}},
     {709, "frames_at_one_time", MEDIUM, SEAL_ALL, {CHUNK("FRAM", 0, 12, 4, 0x3f000000)}},

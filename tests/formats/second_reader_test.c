@@ -69,7 +69,7 @@ static size_t chunk(const source *s, const char *type, int n, size_t *size)
 
 static unsigned is_optional(const unsigned char *type)
 {
-    static const char types[] = "PROV INLI FOGS BAKD NODE CHAN BIND JONT DEFM KEYS SHAP SKYI SKYL SKYC";
+    static const char types[] = "PROV INLI FOGS BAKD NODE CHAN BIND JONT DEFM KEYS SHAP SKYI SKYL SKYC DEPI DEPL";
     for (size_t i = 0; i < sizeof types - 1; i += 5)
         if (!memcmp(type, types + i, 4)) return 1;
     return 0;
@@ -379,6 +379,22 @@ static void check_medium_sky(void)
     CHECK(size == 16 && number(s, at + 7, 1) == 63 && number(s, at + 8, 1) == 55 && number(s, at + 9, 1) == 62);
 }
 
+/* Optical depths as documented: 2 x 2 x 2 points of order 2; the bounds' edges are 5.25, 2 and 1.75 m. */
+static void check_medium_depth(void)
+{
+    const source *s = load("medium_depth_1_0.air");
+    size_t size, at = chunk(s, "DEPI", 0, &size);
+    check_container(s, 6);
+    CHECK(size == 16 && number(s, at, 4) == 2 && number(s, at + 4, 4) == 2 && number(s, at + 8, 4) == 2);
+    CHECK(number(s, at + 12, 4) == 2);
+    for (int frame = 0; frame < 2; frame++) {
+        at = chunk(s, "DEPL", frame, &size);
+        CHECK(size == 64);
+        for (size_t k = 0; k < 32; k++)
+            CHECK(half(s, at + 2 * k) == (double)(k / 8) + 1 - 0.25 * (double)(k % 8) + 8 * frame);
+    }
+}
+
 /* probes: five probes of order 2, the face 1 2 3 between two tetrahedra. */
 static void check_probes(void)
 {
@@ -408,6 +424,7 @@ int main(void)
     check_lightmap();
     check_medium();
     check_medium_sky();
+    check_medium_depth();
     check_probes();
     check_translucent();
     check_half();

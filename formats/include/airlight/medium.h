@@ -74,6 +74,19 @@ typedef struct al_medium_sky {
     const uint8_t *planes;
 } al_medium_sky;
 
+enum { AL_DEPTH_UNIT = 4096, AL_DEPTH_ORDER_LIMIT = 5, AL_DEPTH_TERMS_LIMIT = AL_DEPTH_ORDER_LIMIT * AL_DEPTH_ORDER_LIMIT };
+
+/* Optical depth from points inside the medium to its bounds, for light between two points of it: spherical harmonics
+ * over the direction w of
+ *   tau(x, w) = integral of the density from x to the bounds along w, in m,
+ * so that sigma_t at density 1 times it is an optical depth. The points are a lattice over the bounds, point i of n along
+ * an axis at the share i / (n - 1) of its edge; coefficients are trilinear between them. A set for each frame:
+ *   coefficient in m = stored half * al_medium_depth_unit_m(info, density_max of the frame). */
+typedef struct al_medium_depth {
+    uint32_t size[3]; /* points along x, y, z; 0: the medium keeps none */
+    uint32_t order;   /* SH bands, to AL_DEPTH_ORDER_LIMIT */
+} al_medium_depth;
+
 /* Reads and validates the info; `file` must be of kind medium. */
 al_status al_medium_read(const al_file *file, al_medium_info *info, al_error *error);
 /* Bricks along each axis: those that the voxel centres span, at least one. */
@@ -95,6 +108,17 @@ al_status al_medium_read_sky(const al_file *file, al_medium_sky *sky, al_error *
 void al_medium_sky_at(const al_medium_info *info, const al_medium_sky *sky, const double position[3],
                       double sh[3][AL_SKY_TERMS_LIMIT]);
 
+/* Verifies and answers how optical depths are kept; size 0 where none are. */
+al_status al_medium_read_depth(const al_file *file, const al_medium_info *info, al_medium_depth *depth, al_error *error);
+/* Those of a frame, [order^2][z][y][x] binary16, x fastest; `depth` is kept. */
+al_status al_medium_read_depths(const al_file *file, const al_medium_depth *depth, uint32_t frame, const uint16_t **values,
+                                al_error *error);
+/* What a stored 1 stands for, m: density_max times the diagonal of the bounds / AL_DEPTH_UNIT. */
+double al_medium_depth_unit_m(const al_medium_info *info, float density_max);
+/* Coefficients in m at a world position, which counts as clamped to the bounds. */
+void al_medium_depth_at(const al_medium_info *info, const al_medium_depth *depth, const uint16_t *values,
+                        float density_max, const double position[3], double sh[AL_DEPTH_TERMS_LIMIT]);
+
 /* The whole medium as a function of place and time. Opening verifies every page; evaluating is thread-safe.
  */
 typedef struct al_medium_field al_medium_field;
@@ -107,6 +131,9 @@ double al_medium_evaluate(const al_medium_field *field, const double position[3]
 /* Fills slice z of frame `frame`: density [y][x], x fastest, finite and 0 or more. */
 typedef al_status al_medium_slice_fn(void *user, uint32_t frame, uint32_t z, float *density, al_error *error);
 
+/* Fills the coefficients of frame `frame`, [order^2][z][y][x] in m. */
+typedef al_status al_medium_depths_fn(void *user, uint32_t frame, float *coefficients, al_error *error);
+
 typedef struct al_medium_data {
     al_medium_info info;  /* page_size 0: 256 */
     const float *times_s; /* [frame_count]; NULL: 0, for one frame */
@@ -114,6 +141,9 @@ typedef struct al_medium_data {
     void *user;
     const al_medium_sky *sky;    /* NULL: none; its unit and values are made from those of the next line */
     const float *sky_values;     /* [1 + order^2][z][y][x][3]: optical depths to 64, coefficients in W/(m2 sr) */
+    const al_medium_depth *depth; /* NULL: none */
+    al_medium_depths_fn *depths;
+    void *depths_user;
     const char *provenance_json; /* kept as chunk PROV; may be NULL */
 } al_medium_data;
 

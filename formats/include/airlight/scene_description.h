@@ -81,6 +81,7 @@ typedef struct al_medium_description {
     double sigma_s_per_m[3], sigma_a_per_m[3]; /* albedo and mean free path are converted */
     char *absorption_mesh, *absorption_material; /* sigma_a from this mesh file's material, or "" */
     double g;
+    uint32_t optical_depth_order; /* bands of SH that a fog of varying density keeps; 0: none */
     al_density_description density;
 } al_medium_description;
 

@@ -111,6 +111,13 @@ typedef enum al_carrier { /* what finds the surfaces that the bounced z-buffer's
     AL_CARRIER_COUNT
 } al_carrier;
 
+typedef enum al_second_leg { /* extinction between surfaces and places in gridded media; constant ones are exact */
+    AL_SECOND_LEG_MARCHED = 0, /* through a coarse grid */
+    AL_SECOND_LEG_BAKED,       /* from optical depths that the media keep; al_runtime_draw refuses without; with visibility
+                                * as marched */
+    AL_SECOND_LEG_COUNT
+} al_second_leg;
+
 /* Knobs; all zero is the default and the best-looking. */
 typedef struct al_settings {
     uint32_t sample_limit; /* per object; 0: all that are loaded */
@@ -139,7 +146,8 @@ typedef struct al_settings {
     bool shells_closed;          /* the outermost shell ends by epsilon, as published */
     bool shells_clamped;         /* squared distances held above A/pi, as published */
     bool second_leg_off;         /* no extinction between surfel and medium, as published */
-    uint32_t second_leg_steps;   /* through gridded media, 0: 4; 1 to 64 */
+    al_second_leg second_leg;
+    uint32_t second_leg_steps;   /* marched through gridded media, 0: 4; 1 to 64 */
     bool visibility;             /* surfaces hide others from the medium, by a bounced z-buffer instead of shells */
     /* Light onto opaque surfaces that have no baked light: that holds it already, and nothing is lit twice. */
     bool indirect;          /* light, emission too, that one surface sends to another */
@@ -194,6 +202,8 @@ uint32_t al_runtime_times(al_runtime *runtime, al_pass_time *times, uint32_t lim
 /* Bytes of buffers and textures the runtime holds; samples drawn in the last frame. */
 uint64_t al_runtime_memory(const al_runtime *runtime);
 uint64_t al_runtime_samples(const al_runtime *runtime);
+/* Whether AL_SECOND_LEG_BAKED can be drawn: there are gridded media, and all that have arrived keep optical depths. */
+bool al_runtime_keeps_depths(const al_runtime *runtime);
 /* Surfels of the last frame whose count has come back, 0 when it needed none; never waits. */
 uint64_t al_runtime_surfels(al_runtime *runtime);
 
