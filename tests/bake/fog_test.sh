@@ -74,6 +74,21 @@ sed -i 's/"radiance_w_m2_sr": 1/"radiance_w_m2_sr": 0/' "$work/sky.json"
 run 0 "$bin/airlight-bake" "$work/sky.json" --plan
 grep -A2 '"step": "sky light"' "$work/stdout" | grep -q 'no environment light' || wrong "the plan does not say why not"
 
+# Optical depths only where they are asked for and vary; the same bytes by any number of threads.
+run 0 "$bin/airlight-bake" "$work/fog.json" --plan
+grep -A2 '"step": "fog depth"' "$work/stdout" | grep -q 'no fog asks for optical_depth_order' || wrong "the plan does not say why not"
+sed 's/"sigma_s_per_m"/"optical_depth_order": 3, &/' "$work/fog.json" >"$work/depth.json"
+run 0 "$bin/airlight-bake" "$work/depth.json" -o "$work/depth" --threads 1
+grep -A1 '"step": "fog depth"' "$work/depth/report.json" | grep -q '"needed": true' || wrong "the plan leaves the depths out"
+grep -q '"name": "fog depth"' "$work/depth/report.json" || wrong "the report has no step of depths"
+run 0 "$bin/airlight-inspect" --check "$work/depth/haze.medium.air"
+cp "$work/depth/haze.medium.air" "$work/one.air"
+rm "$work/depth/haze.medium.air"
+run 0 "$bin/airlight-bake" "$work/depth.json" -o "$work/depth" --threads 3
+cmp -s "$work/one.air" "$work/depth/haze.medium.air" || wrong "the number of threads changes the depths"
+sed -i 's/"optical_depth_order": 3/"optical_depth_order": 6/' "$work/depth.json"
+fails 3 'optical_depth_order' "$bin/airlight-bake" "$work/depth.json" -o "$work/depth"
+
 # Negative coefficients.
 cp "$work/fog.json" "$work/kept.json"
 scene -1 0.5

@@ -115,6 +115,7 @@ done
 fails 2 "--pass takes one of composite" play --pass nonsense
 fails 2 "--view-leg takes marched or sh" play --view-leg nonsense
 fails 2 "--scattered takes on or off" play --scattered maybe
+fails 2 "--second-leg takes marched, baked or none" play --second-leg nonsense
 fails 2 "--fog-steps" play --fog-steps 0
 fails 2 "--surfel-size" play --surfel-size 0
 fails 2 "--surfel-limit" play --surfel-limit 1
