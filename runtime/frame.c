@@ -31,6 +31,9 @@ static al_status check(const al_view *view, const al_settings *settings, al_erro
     if (settings->surfel_limit && !in_range(settings->surfel_limit, 64, 1 << 22))
         return al_fail(error, AL_USAGE, "settings: at most %u surfels; use 64 to 4194304, or 0 for 1048576",
                        settings->surfel_limit);
+    if (settings->surfel_margin_m != 0 && !in_range(settings->surfel_margin_m, 1e-6, 1e6))
+        return al_fail(error, AL_USAGE, "settings: surfels up to %g m outside of the view; use 1e-6 to 1e6, or 0 for all",
+                       (double)settings->surfel_margin_m);
     if (settings->shell_epsilon_w_m2_sr != 0 && !in_range(settings->shell_epsilon_w_m2_sr, 1e-12, 1e12))
         return al_fail(error, AL_USAGE, "settings: shell epsilon of %g W/(m2 sr); use 1e-12 to 1e12, or 0 for 0.06 as "
                        "the exposure shows it", (double)settings->shell_epsilon_w_m2_sr);

@@ -309,6 +309,7 @@ static void capture(al_draw *draw, const programs *p)
     set_rule(p->split, &s->rule);
     set_rule(p->fine, &s->rule);
     glProgramUniform1ui(p->fine, 8, draw->settings.surfel_seed);
+    glProgramUniform1f(p->fine, 9, draw->settings.surfel_margin_m);
     glUseProgram(p->fine);
     glBindFramebuffer(GL_FRAMEBUFFER, draw->framebuffer); /* any complete one */
     glEnable(GL_RASTERIZER_DISCARD);

@@ -20,6 +20,7 @@ layout(location = 1) uniform vec4 base;     // rgb, metallic
 layout(location = 2) uniform vec4 emission; // rgb in W/(m2 sr), roughness
 layout(location = 3) uniform vec4 optics;   // x: dielectric reflectance along the normal; y: 1 double-sided
 layout(location = 4) uniform ivec4 maps;    // which of the textures exist
+layout(location = 9) uniform float margin;  // m, 0: surfels may be anywhere
 
 in vec3 fine_position[];
 in vec3 fine_normal[];
@@ -42,10 +43,21 @@ vec4 read_map(sampler2D map, float area)
     return textureLod(map, fine_uv[0], 0.5 * log2(max(texels, 1.0)));
 }
 
+// Whether the place is in the view volume or within the margin of each of its planes but the far one.
+bool is_kept(vec3 position)
+{
+    mat4 rows = transpose(view_projection);
+    for (int i = 0; i < 5 && margin > 0.0; i++) {
+        vec4 plane = rows[3] + (i < 2 ? rows[0] : i < 4 ? rows[1] : rows[2]) * ((i & 1) == 0 ? 1.0 : -1.0);
+        if (dot(plane.xyz, position) + plane.w < -margin * length(plane.xyz)) return false;
+    }
+    return true;
+}
+
 void main()
 {
     float wanted = wanted_area(distance(fine_position[0], eye.xyz));
-    if (fine_random[0] * wanted >= fine_size[0]) return;
+    if (fine_random[0] * wanted >= fine_size[0] || !is_kept(fine_position[0])) return;
     float area = max(fine_size[0], wanted), metallic = base.a, roughness = emission.a;
     vec3 color = base.rgb, light = emission.rgb;
     if (maps.x != 0) color *= read_map(base_color_map, area).rgb;

@@ -12,7 +12,8 @@ typedef struct raw_options {
     const char *pass, *view_leg, *second_leg, *scattered, *interval_weights, *occlusion_carrier;
     int samples, sh_order, intervals, fog_steps, shell_levels, shown_level, second_leg_steps, blur, bounce_samples, surfel_limit,
         bounce_filter, screen_steps;
-    double march_step, shell_epsilon, shell_radius, surfel_size, bounce_radius, bounce_overlap, occlusion_radius, screen_thickness;
+    double march_step, shell_epsilon, shell_radius, surfel_size, surfel_margin, bounce_radius, bounce_overlap, occlusion_radius,
+        screen_thickness;
     bool no_surface, no_background, no_clip, no_normalise, no_shadows, no_lod, no_fog, no_surface_scattering,
         shells_closed, shells_clamped, no_second_leg, blur_plain, visibility, bounce_near_off, occlusion_uniform,
         indirect, lambert_senders, ambient_occlusion;
@@ -115,6 +116,7 @@ static int apply(const al_program *program, const raw_options *raw, al_play_opti
     s->surface_scattering_off = raw->no_surface_scattering;
     s->surfel_pixels = (float)raw->surfel_size;
     s->surfel_limit = (uint32_t)raw->surfel_limit;
+    s->surfel_margin_m = (float)raw->surfel_margin;
     s->shell_epsilon_w_m2_sr = (float)raw->shell_epsilon;
     s->shell_levels = (uint32_t)raw->shell_levels;
     s->shown_level = (uint32_t)raw->shown_level;
@@ -199,6 +201,8 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
          "no light from surfaces in the fog", 0, 0},
         {"--surfel-size", "PIXELS", AL_OPTION_REAL, &raw.surfel_size,
          "radius of the surfels that send light into the fog (4.6, less where the picture is smaller than 74)", 0.1, 1000},
+        {"--surfel-margin", "M", AL_OPTION_REAL, &raw.surfel_margin,
+         "surfels farther outside of the view, metres, are left out (none is)", 1e-6, 1e6},
         {"--surfel-limit", "N", AL_OPTION_INT, &raw.surfel_limit,
          "the most surfels; they are larger where there would be more (1048576)", 64, 4194304},
         {"--shell-epsilon", "L", AL_OPTION_REAL, &raw.shell_epsilon,

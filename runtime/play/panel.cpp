@@ -160,6 +160,7 @@ static void show_quality(al_panel_state *state)
     float surfel = s->surfel_pixels > 0 ? s->surfel_pixels : 4.6f;
     if (ImGui::SliderFloat("surfels, pixels", &surfel, 1, 50, "%.1f", ImGuiSliderFlags_Logarithmic))
         s->surfel_pixels = surfel;
+    ImGui::SliderFloat("surfels' margin, m", &s->surfel_margin_m, 0, 10, s->surfel_margin_m > 0 ? "%.2f" : "all");
     const struct {
         const char *label;
         bool *off;

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../../runtime/matrix.h"
 #include "../../runtime/state.h"
 #include "../test.h"
 #include "airlight/formulas.h"
@@ -674,6 +675,47 @@ static void test_room(void)
     free(t.corners);
 }
 
+/* With a margin the cloud is the part of the whole one that lies within it, in the same order: planes in double
+ * precision; float32 may decide either way within 1e-5 m of one. */
+static void test_margin(void)
+{
+    triangles t = {0};
+    add_square(&t, (float[3]){-4, 0, -4}, (float[3]){0, 0, 8}, (float[3]){8, 0, 0}, 1);
+    al_runtime *runtime = open_scene(&t, NULL, 0, 0);
+    al_view view = stage_look(160, 120, (float[3]){0, 1, 2}, (float[3]){0, 0, 0}, 0.7f);
+    cloud all = draw_cloud(runtime, &view, &(al_settings){.pass = AL_PASS_SURFELS});
+    const float margin = 0.5f;
+    cloud some = draw_cloud(runtime, &view, &(al_settings){.pass = AL_PASS_SURFELS, .surfel_margin_m = margin});
+    double clip[16], v[16], p[16];
+    al_matrix_from_float(view.view, v);
+    al_matrix_from_float(view.projection, p);
+    al_matrix_multiply(p, v, clip);
+    uint32_t next = 0, left_out = 0;
+    for (uint32_t i = 0; i < all.count; i++) {
+        double nearest = INFINITY;
+        for (int plane = 0; plane < 5; plane++) {
+            double c[4], length = 0, away = 0;
+            for (int k = 0; k < 4; k++)
+                c[k] = clip[4 * k + 3] + (plane & 1 ? -1 : 1) * clip[4 * k + plane / 2];
+            for (int k = 0; k < 3; k++) {
+                length += c[k] * c[k];
+                away += c[k] * (double)all.surfels[i].place[k];
+            }
+            nearest = fmin(nearest, (away + c[3]) / sqrt(length) + (double)margin);
+        }
+        bool kept = next < some.count && !memcmp(&all.surfels[i], &some.surfels[next], sizeof *all.surfels);
+        next += kept;
+        left_out += !kept;
+        if (fabs(nearest) > 1e-5) CHECK(kept == (nearest > 0));
+    }
+    CHECK(next == some.count);
+    CHECK(some.count > 100 && left_out > 100);
+    free(all.surfels);
+    free(some.surfels);
+    al_runtime_destroy(runtime);
+    free(t.corners);
+}
+
 /* An eye on a wall of two triangles, and 1 mm above it, its near plane at 1 cm: not many more surfels than
  * from 1 m, none larger than a hundredth of the wall within 10 cm, and all of the area. */
 static void test_wall(void)
@@ -787,14 +829,15 @@ static void test_wrong(void)
 {
     static const al_settings wrong[] = {{.surfel_pixels = -1},    {.surfel_pixels = NAN},
                                         {.surfel_pixels = 0.01f}, {.surfel_pixels = 1e4f},
-                                        {.surfel_limit = 63},     {.surfel_limit = (1 << 22) + 1}};
+                                        {.surfel_limit = 63},     {.surfel_limit = (1 << 22) + 1},
+                                        {.surfel_margin_m = -1}};
     triangles none = {0};
     al_runtime *runtime = open_scene(&none, NULL, 0, 0);
     al_view view = front_view();
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         al_error error = {0};
         CHECK(al_runtime_draw(runtime, &view, &wrong[i], 0, 0, &error) == AL_USAGE);
-        CHECK(strstr(error.message, i < 4 ? "use 0.1 to 1000" : "use 64 to 4194304"));
+        CHECK(strstr(error.message, i < 4 ? "use 0.1 to 1000" : i < 6 ? "use 64 to 4194304" : "use 1e-6 to 1e6"));
     }
     al_runtime_destroy(runtime);
 }
@@ -863,6 +906,7 @@ int main(void)
     test_caster();
     test_texture();
     test_room();
+    test_margin();
     test_wall();
     test_flat();
     test_scales();

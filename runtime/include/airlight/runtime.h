@@ -138,6 +138,7 @@ typedef struct al_settings {
     uint32_t surfel_limit;   /* the most surfels, of which each takes 64 bytes, 0: 2^20; 64 to 2^22; they are coarser
                               * where there would be more */
     uint32_t interval_count; /* knots of the interval maps, 0: 16; 4 to 32 */
+    float surfel_margin_m;   /* surfels farther outside of the view are left out, 0: none is; 1e-6 to 1e6 */
     /* Light of surfaces that the fog scatters to the eye: surfels splatted in shells (Nalbach et al. 2014). */
     float shell_epsilon_w_m2_sr; /* what a splat may leave out, 0: 0.06 as the scene's exposure shows it */
     uint32_t shell_levels;       /* 0: 6; 1 to 7 */
