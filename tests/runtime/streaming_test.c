@@ -136,9 +136,9 @@ static void test_plan(const char *folder)
         CHECK(!strcmp(step, "skin") || !strcmp(step, "surfels") || !strcmp(step, "interval-map") ||
               !strcmp(step, "surface-scattering") || !strcmp(step, "sky light") || !strcmp(step, "shadow") ||
               !strcmp(step, "environment") || !strcmp(step, "lightmap") || !strcmp(step, "probes") ||
-              !strcmp(step, "direct-scattering") || !strcmp(step, "ambient-occlusion"));
+              !strcmp(step, "direct-scattering") || !strcmp(step, "ambient-occlusion") || !strcmp(step, "indirect"));
     }
-    CHECK(unneeded == 11);
+    CHECK(unneeded == 12);
     uint32_t stages = al_runtime_times(runtime, times, 16);
     CHECK(stages >= 4);
     for (uint32_t i = 0; i < stages; i++) CHECK(times[i].ms >= 0 && times[i].ms < 60000);
