@@ -1,5 +1,5 @@
 // What the media leave of light between two places, for passes that ask it of very many pairs: constant media in
-// closed form, gridded ones all together by a march through their mean extinction in 32^3 cells (legs.comp), or, with
+// closed form, gridded ones all together by a march through 32^3 cells (legs.comp), or, with
 // AL_DEPTH_ORDER bands, one by one from baked spherical harmonics of tau(x, w), the optical depth from x to the bounds
 // along w (formats/include/airlight/medium.h, al_medium_depth).
 #ifndef AL_LEGS_GLSL

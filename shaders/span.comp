@@ -1,6 +1,7 @@
 #version 450 core
-// Where the medium starts at least and ends at most among four texels of the mip below; of the first mip, on the
-// pixel's own ray (AL_FIRST). AL_SURFACE: instead of the medium, the surface that is seen.
+// Where the medium starts at least and ends at most among the texels of the mip below, nine of them, so that the last row
+// and column of an odd number are not lost; of the first mip, on the pixel's own ray (AL_FIRST). AL_SURFACE: instead of
+// the medium, the surface that is seen.
 #extension GL_GOOGLE_include_directive : enable
 #include "interval_map.glsl"
 
@@ -10,7 +11,7 @@ layout(binding = 5) uniform sampler2D interval_span;
 #ifdef AL_SURFACE
 layout(binding = 4) uniform sampler2D geometry; // normal, distance; 0: no surface
 #endif
-layout(location = 0) uniform int mip; // of the four
+layout(location = 0) uniform int mip; // of the nine
 
 vec2 span_of(ivec2 place)
 {
@@ -36,8 +37,8 @@ void main()
 #else
     ivec2 last = textureSize(interval_span, mip) - 1;
     vec2 span = vec2(1e30, 0.0);
-    for (int i = 0; i < 4; i++) {
-        vec2 one = texelFetch(interval_span, min(2 * place + ivec2(i & 1, i >> 1), last), mip).xy;
+    for (int i = 0; i < 9; i++) {
+        vec2 one = texelFetch(interval_span, min(2 * place + ivec2(i % 3, i / 3), last), mip).xy;
         span = vec2(min(span.x, one.x), max(span.y, one.y));
     }
 #endif

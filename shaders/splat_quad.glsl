@@ -22,9 +22,10 @@ bool meets(ivec2 low, ivec2 high, vec3 center, float radius)
     int mip = min(findMSB(max(max(size.x, size.y), 1)) + 1, textureQueryLevels(interval_span) - 1);
     if (max(size.x, size.y) == 0) mip = 0;
     float nearest = 1e30, farthest = 0.0;
+    ivec2 last = textureSize(interval_span, mip) - 1; // holds what is left over of an odd number, too
     for (int y = low.y >> mip; y <= high.y >> mip; y++)
         for (int x = low.x >> mip; x <= high.x >> mip; x++) {
-            vec2 span = texelFetch(interval_span, ivec2(x, y), mip).xy;
+            vec2 span = texelFetch(interval_span, min(ivec2(x, y), last), mip).xy;
             nearest = min(nearest, span.x);
             farthest = max(farthest, span.y);
         }
