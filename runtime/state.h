@@ -264,7 +264,7 @@ typedef struct al_surfel_count { /* of one frame; [0]: vertices of parts of huge
     bool pending;
 } al_surfel_count;
 
-enum { AL_SURFEL_SIZE = 64, AL_SURFEL_RING = 3 };
+enum { AL_SURFEL_SIZE = 80, AL_SURFEL_RING = 3 };
 
 typedef struct al_surfels {
     al_gl_buffer cloud, count; /* shaders/surfels.glsl */

@@ -4,10 +4,15 @@
 // A surfel whose middle lies in the shell stands for 4^l surfels, so its disc has 2^l times the radius. Nearer ones,
 // which a finer level takes, are tested too, as large as they are there: the same fragment, fewer gaps.
 //
-// AL_SURFACE: the rays begin on surfaces, which surfels stand for too: discs of the own one float a little above the
+// AL_SURFACE: discs end where their triangle ends, at each of its edges over which it is at least two radii high (in a mesh
+// finer than that, discs stand for the triangles around too). Half a disc at an edge covers half as much, so its radius
+// squared grows by 1 / (1/2 + d/2r) for each edge at a distance d < r. What ends at all three edges pokes out nowhere and
+// may be twice as large, so that fewer rays pass between discs.
+//
+// The rays begin on surfaces, which surfels stand for too: discs of the own one float a little above the
 // origin where it is curved, and pass through it by rounding where it is flat. A disc that the origin lies on does not
-// count: at most 0.3 of its radius above or below, inside its rim, and turned as the surface by 60 degrees at most. A
-// disc that touches a sphere of radius R is R/2 (r/R)^2 off at its rim: 0.3 r up to r = 0.6 R.
+// count: at most 0.3 of its radius above or below, 0.02 where it ends at all edges, inside its rim, and turned as the surface
+// by 60 degrees at most. A disc that touches a sphere of radius R is R/2 (r/R)^2 off at its rim: 0.3 r up to r = 0.6 R.
 #extension GL_GOOGLE_include_directive : enable
 #include "frame.glsl"
 #include "bounce.glsl"
@@ -21,14 +26,33 @@ flat in vec4 disc;
 flat in vec3 facing;
 flat in vec4 shell;
 flat in int number;
+#ifdef AL_SURFACE
+flat in vec4 edges[3]; // of the triangle: normal, distance in m
+flat in vec3 heights;  // over them, m
+#endif
 layout(location = 0) out uint hit; // number of the surfel, from 1
 
 #ifdef AL_SURFACE
-bool lies_on(ivec2 pixel, vec3 path, float radius2)
+bool lies_on(ivec2 pixel, vec3 path, float radius2, bool whole)
 {
     float height = dot(facing, path), across2 = dot(path, path) - height * height;
     vec3 normal = texelFetch(geometry, pixel, 0).xyz;
-    return across2 <= radius2 && height * height <= 0.09 * radius2 && abs(dot(normal, facing)) > 0.5;
+    return across2 <= radius2 && height * height <= (whole ? 0.0004 : 0.09) * radius2 && abs(dot(normal, facing)) > 0.5;
+}
+
+// Whether `off`, from the disc's middle, is behind an edge; otherwise its radius squared, and whether all edges end it.
+bool passes_edge(vec3 off, inout float radius2, out bool whole)
+{
+    float radius = sqrt(radius2);
+    bvec3 ends = greaterThanEqual(heights, vec3(2.0 * radius));
+    whole = all(ends);
+    if (whole) radius2 *= 2.0;
+    for (int i = 0; i < 3; i++) {
+        if (!ends[i]) continue;
+        if (dot(off, edges[i].xyz) > edges[i].w) return true;
+        radius2 /= 0.5 + 0.5 * min(edges[i].w / radius, 1.0);
+    }
+    return false;
 }
 #endif
 
@@ -51,10 +75,12 @@ void main()
     float away = dot(facing, path), slope = dot(facing, ray.xyz);
     float t = away / (slope != 0.0 ? slope : 1e-30);
     vec3 off = t * ray.xyz - path;
-    if (!(t > 0.0) || !(dot(off, off) <= disc.w * scale)) discard;
+    float radius2 = disc.w * scale;
 #ifdef AL_SURFACE
-    if (lies_on(pixel, path, disc.w * scale)) discard;
+    bool whole;
+    if (passes_edge(off, radius2, whole) || lies_on(pixel, path, radius2, whole)) discard;
 #endif
+    if (!(t > 0.0) || !(dot(off, off) <= radius2)) discard;
     hit = uint(number);
     gl_FragDepth = min(t * t / (bounce_reach.y * bounce_reach.y), 1.0);
 }

@@ -6,6 +6,9 @@
 #include "splat_quad.glsl"
 #include "bounce.glsl"
 #include "surfels.glsl"
+#ifdef AL_SURFACE
+#include "surfel_edges.glsl"
+#endif
 
 layout(points, invocations = AL_LEVELS) in;
 layout(triangle_strip, max_vertices = 4) out;
@@ -15,6 +18,10 @@ flat out vec4 disc;   // xyz: middle; w: radius squared at level 0, enlarged
 flat out vec3 facing; // unit normal
 flat out vec4 shell;  // inner and outer radius squared; 4^l; l
 flat out int number;
+#ifdef AL_SURFACE
+flat out vec4 edges[3]; // of the triangle: normal, distance in m
+flat out vec3 heights;
+#endif
 
 void main()
 {
@@ -22,6 +29,10 @@ void main()
     int level = gl_InvocationID;
     vec2 radii = shell_radii(bounce_reach.x, level);
     float widest = sqrt(s.place.w / 3.14159265 * bounce_reach.z) * float(1 << level);
+#ifdef AL_SURFACE
+    widest *= 4.0; // beside its triangle's edges
+    Edges e = unpack_edges(s.edges, s.facing.xyz, s.place.w);
+#endif
     radii.y = min(radii.y, bounce_reach.w + widest); // a disc farther away is hit farther away
     vec4 bounds;
     if (!(radii.x < radii.y) || !splat_bounds(s.place.xyz, radii.y, level, surfel[0], bounds)) return;
@@ -30,6 +41,10 @@ void main()
         facing = s.facing.xyz;
         shell = vec4(radii * radii, float(1 << 2 * level), float(level));
         number = surfel[0] + 1;
+#ifdef AL_SURFACE
+        for (int k = 0; k < 3; k++) edges[k] = vec4(e.normals[k], e.distances[k]);
+        heights = e.heights;
+#endif
         gl_Layer = level;
         gl_Position = vec4((i & 1) == 0 ? bounds.x : bounds.z, (i & 2) == 0 ? bounds.y : bounds.w, 0.0, 1.0);
         EmitVertex();

@@ -2,8 +2,9 @@
 // One ray per pixel from the seen surface, and the density in 1/sr with which its direction was drawn. A direction from
 // which the surface takes nothing, below it, is kept with its density, but no ray goes there.
 //
-// The pixel's sequence of pairs goes on through samples and frames: multiples of the powers of 1/1.3247..., the
-// smallest Pisot number, which fill the square evenly at every length (Roberts 2018), begun at random in each pixel.
+// Blocks of 4 x 4 pixels share one sequence of pairs, as in bounce_drawn: multiples of the powers of 1/1.3247..., the smallest
+// Pisot number, which fill the square evenly at every length (Roberts 2018), begun at random in each block. A sample takes
+// sixteen of them, one a pixel, and the sequence goes on through samples and frames.
 #extension GL_GOOGLE_include_directive : enable
 #include "bounce_receiver.glsl"
 
@@ -13,8 +14,8 @@ layout(binding = 1, rgba32f) writeonly uniform image2D arriving; // a: density
 
 vec2 drawn_pair(ivec2 pixel)
 {
-    uint number = uint(shell_counts.z) * uint(bounce_sample.y) + uint(bounce_sample.x);
-    uint bits = hash(uint(pixel.x), uint(pixel.y), 0x5bd1e995u);
+    uint number = uint(shell_counts.z * bounce_sample.y + bounce_sample.x) << 4 | uint((pixel.y & 3) << 2 | (pixel.x & 3));
+    uint bits = hash(uint(pixel.x >> 2), uint(pixel.y >> 2), 0x5bd1e995u);
     return vec2(unit_float(bits + number * 3242174889u), unit_float(mix_bits(bits) + number * 2447445414u));
 }
 

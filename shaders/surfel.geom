@@ -7,6 +7,7 @@
 // whose primitives are counted apart, parts of huge triangles.
 #extension GL_GOOGLE_include_directive : enable
 #include "packed_color.glsl"
+#include "surfel_edges.glsl"
 #include "surfel_size.glsl"
 
 layout(points) in;
@@ -23,6 +24,9 @@ layout(location = 4) uniform ivec4 maps;    // which of the textures exist
 layout(location = 9) uniform float margin;  // m, 0: surfels may be anywhere
 
 in vec3 fine_position[];
+in vec3 first_corner[];
+in vec3 second_corner[];
+in vec3 third_corner[];
 in vec3 fine_normal[];
 in vec2 fine_uv[];
 in float fine_size[];
@@ -30,10 +34,11 @@ in float fine_density[];
 in float fine_random[];
 
 layout(stream = 1) out;
-layout(xfb_buffer = 0, xfb_stride = 64, xfb_offset = 0, stream = 1) out vec4 place;
+layout(xfb_buffer = 0, xfb_stride = 80, xfb_offset = 0, stream = 1) out vec4 place;
 layout(xfb_buffer = 0, xfb_offset = 16, stream = 1) out vec4 facing;
 layout(xfb_buffer = 0, xfb_offset = 32, stream = 1) out vec4 diffuse; // rgb: albedo; w: reflectance along the normal, packed
 layout(xfb_buffer = 0, xfb_offset = 48, stream = 1) out vec4 glow;    // rgb: emission; w: 1 from both sides
+layout(xfb_buffer = 0, xfb_offset = 64, stream = 1) out uvec4 edges;
 
 // The texture's mean over a square as large as the surfel.
 vec4 read_map(sampler2D map, float area)
@@ -71,6 +76,7 @@ void main()
     facing = vec4(fine_normal[0], roughness);
     diffuse = vec4(color * (1.0 - metallic), pack_color(mix(vec3(optics.x), color, metallic)));
     glow = vec4(light, optics.y);
+    edges = pack_edges(vec3[3](first_corner[0], second_corner[0], third_corner[0]), fine_position[0], fine_normal[0], area);
     EmitStreamVertex(1);
     EndStreamPrimitive(1);
 }

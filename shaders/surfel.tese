@@ -16,6 +16,9 @@ patch in uint seed;
 patch in float offset;
 
 out vec3 fine_position;
+out vec3 first_corner; // of the triangle
+out vec3 second_corner;
+out vec3 third_corner;
 out vec3 fine_normal;
 out vec2 fine_uv;
 out float fine_size;    // m2
@@ -53,6 +56,9 @@ void main()
     fine_uv = share.x * corner_uv[0] + share.y * corner_uv[1] + share.z * corner_uv[2];
     fine_normal = across * (float(choice.z) / length(across));
     fine_density = abs(cross2(corner_uv[1] - corner_uv[0], corner_uv[2] - corner_uv[0])) / length(across);
+    first_corner = corner_position[0];
+    second_corner = corner_position[1];
+    third_corner = corner_position[2];
     fine_size = fine_area;
     fine_random = (float(index) + offset) / fine_count(gl_TessLevelInner[0]);
 }

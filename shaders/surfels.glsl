@@ -13,6 +13,7 @@ struct Surfel {
     vec4 facing; // xyz: unit normal of the front; w: roughness
     vec4 front;  // rgb: exitant radiance in W/(m2 sr), Lambert's; w: reflectance along the normal, packed
     vec4 back;   // rgb: likewise of the back; w: Lambert's albedo, packed
+    uvec4 edges; // of its triangle: surfel_edges.glsl
 };
 
 #include "packed_color.glsl"

@@ -14,6 +14,7 @@ enum { EDGE = 48 };
 
 typedef struct surfel {
     float place[4], facing[4], front[4], back[4];
+    uint32_t edges[4];
 } surfel;
 
 typedef struct ray {
@@ -69,9 +70,48 @@ static ray pixel_ray(const al_frame_block *frame, uint32_t pixel, const float st
     return r;
 }
 
-/* The surface that the ray begins on has this disc: bounce.frag's rule. How near to it, relative. */
-static bool lies_on(const ray *r, const surfel *s, double radius2, double *doubt)
+static double dot(const double a[3], const double b[3])
 {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* A half-precision number that is positive and normal, or 0. */
+static double from_half(uint32_t bits)
+{
+    return bits & 0x7c00 ? ldexp(1 + (bits & 1023) / 1024.0, (int)(bits >> 10 & 31) - 15) : ldexp(bits & 1023, -24);
+}
+
+/* bounce.frag's and surfel_edges.glsl's rules: whether `off` lies behind an edge of the triangle; otherwise the disc's radius
+ * squared, and whether all edges end it. How near to an edge, relative. */
+static bool passes_edge(const surfel *s, const double off[3], double *radius2, bool *whole, double *doubt)
+{
+    double n[3] = {s->facing[0], s->facing[1], s->facing[2]}, radius = sqrt(*radius2), root = sqrt(s->place[3]);
+    double sign = n[2] < 0 ? -1 : 1, a = -1 / (sign + n[2]), b = n[0] * n[1] * a;
+    double x[3] = {1 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]}, y[3] = {b, sign + n[1] * n[1] * a, -n[1]};
+    bool ends[3], behind = false;
+    *doubt = 1;
+    for (int e = 0; e < 3; e++) {
+        double height = exp2(((s->edges[3] >> 8 * e & 255) - 64.0) / 8) * root;
+        ends[e] = height >= 2 * radius;
+        *doubt = fmin(*doubt, fabs(height / (2 * radius) - 1));
+    }
+    *whole = ends[0] && ends[1] && ends[2];
+    if (*whole) *radius2 *= 2;
+    for (int e = 0; e < 3; e++) {
+        if (!ends[e]) continue;
+        double angle = ((s->edges[e] >> 16) + 0.5) * 2 * AL_PI / 65536, apart = from_half(s->edges[e] & 0xffff) * root;
+        double beyond = cos(angle) * dot(off, x) + sin(angle) * dot(off, y) - apart;
+        *doubt = fmin(*doubt, fabs(beyond) / radius);
+        behind = behind || beyond > 0;
+        *radius2 /= 0.5 + 0.5 * fmin(apart / radius, 1);
+    }
+    return behind;
+}
+
+/* The surface that the ray begins on has this disc: bounce.frag's rule. How near to it, relative. */
+static bool lies_on(const ray *r, const surfel *s, double radius2, bool whole, double *doubt)
+{
+    const double most = whole ? 0.0004 : 0.09;
     double height = 0, across2 = 0, turned = 0;
     for (int k = 0; k < 3; k++) {
         double path = r->origin[k] - s->place[k];
@@ -80,16 +120,17 @@ static bool lies_on(const ray *r, const surfel *s, double radius2, double *doubt
         turned += s->facing[k] * r->normal[k];
     }
     across2 -= height * height;
-    *doubt = fmin(fabs(across2 / radius2 - 1), fabs(height * height / (0.09 * radius2) - 1));
+    *doubt = fmin(fabs(across2 / radius2 - 1), fabs(height * height / (most * radius2) - 1));
     *doubt = fmin(*doubt, fabs(fabs(turned) - 0.5));
-    return across2 <= radius2 && height * height <= 0.09 * radius2 && fabs(turned) > 0.5;
+    return across2 <= radius2 && height * height <= most * radius2 && fabs(turned) > 0.5;
 }
 
 /* Distance at which the ray meets the disc of `radius2`, INFINITY where it does not; how near its rim, relative; the
  * cosine between them. */
 static double meet(const ray *r, const surfel *s, double radius2, double *rim, double *cosine)
 {
-    double slope = 0, away = 0, squared = 0;
+    double slope = 0, away = 0, squared = 0, off[3], edge_doubt = 1, own_doubt = 1;
+    bool whole = false, hidden = false, surface = dot(r->normal, r->normal) > 0;
     for (int k = 0; k < 3; k++) {
         slope += s->facing[k] * r->direction[k];
         away += s->facing[k] * (s->place[k] - r->origin[k]);
@@ -97,14 +138,14 @@ static double meet(const ray *r, const surfel *s, double radius2, double *rim, d
     double t = away / slope;
     *cosine = fabs(slope);
     for (int k = 0; k < 3; k++) {
-        double off = r->origin[k] + t * r->direction[k] - s->place[k];
-        squared += off * off;
+        off[k] = r->origin[k] + t * r->direction[k] - s->place[k];
+        squared += off[k] * off[k];
     }
-    double doubt;
-    bool own = lies_on(r, s, radius2, &doubt);
+    if (surface) hidden = passes_edge(s, off, &radius2, &whole, &edge_doubt);
+    if (surface) hidden = lies_on(r, s, radius2, whole, &own_doubt) || hidden;
     *rim = fabs(squared / radius2 - 1);
-    if (t > 0 && squared <= radius2 * 1.001) *rim = fmin(*rim, doubt);
-    return t > 0 && squared <= radius2 && !own ? t : INFINITY;
+    if (t > 0 && squared <= radius2 * 2.001) *rim = fmin(*rim, fmin(edge_doubt, own_doubt));
+    return t > 0 && squared <= radius2 && !hidden ? t : INFINITY;
 }
 
 static void check_frame(const al_runtime *runtime, float overlap, bool surface)

@@ -7,6 +7,7 @@
 
 typedef struct surfel { /* shaders/surfels.glsl */
     float place[4], facing[4], front[4], back[4];
+    uint32_t edges[4];
 } surfel;
 
 typedef struct readback { /* of the frame drawn last */

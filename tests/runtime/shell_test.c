@@ -164,6 +164,7 @@ static void check_gap(void)
 
 typedef struct surfel {
     float place[4], facing[4], front[4], back[4];
+    uint32_t edges[4];
 } surfel;
 
 static surfel *read_surfels(const al_runtime *runtime, uint32_t *count)

@@ -15,6 +15,7 @@ enum { WIDTH = 80, HEIGHT = 60 };
 
 typedef struct surfel { /* shaders/surfels.glsl */
     float place[3], area, facing[3], roughness, front[3], f0, back[3], albedo; /* f0 and albedo packed */
+    uint32_t edges[4];
 } surfel;
 _Static_assert(sizeof(surfel) == AL_SURFEL_SIZE, "std430");
 
