@@ -318,10 +318,23 @@ static uint32_t name_slot(const al_image_channels *image, const char *name)
     return slot;
 }
 
+typedef exr_result_t (*compress_function)(exr_encode_pipeline_t *pipeline);
+
+/* A chunk whose size is that of its pixels is read as pixels that are not compressed, but OpenEXR 3.1.5 leaves out
+ * compression only where it makes a chunk larger. */
+static exr_result_t compress(exr_encode_pipeline_t *pipeline)
+{
+    exr_result_t code = (*(const compress_function *)pipeline->encoding_user_data)(pipeline);
+    if (!code && pipeline->compressed_bytes == pipeline->packed_bytes)
+        memcpy(pipeline->compressed_buffer, pipeline->packed_buffer, pipeline->packed_bytes);
+    return code;
+}
+
 static exr_result_t encode_pixels(exr_context_t context, const al_image_channels *image,
                                   exr_encode_pipeline_t *pipeline)
 {
     int32_t lines;
+    compress_function deflate;
     exr_result_t code = exr_get_scanlines_per_chunk(context, 0, &lines);
     for (uint32_t y = 0; !code && y < image->height; y += (uint32_t)lines) {
         exr_chunk_info_t chunk;
@@ -339,7 +352,12 @@ static exr_result_t encode_pixels(exr_context_t context, const al_image_channels
             channel->user_pixel_stride = (int32_t)(image->count * sizeof(float));
             channel->user_line_stride = (int32_t)(image->width * image->count * sizeof(float));
         }
-        if (y == 0) code = exr_encoding_choose_default_routines(context, 0, pipeline);
+        if (y == 0) {
+            code = exr_encoding_choose_default_routines(context, 0, pipeline);
+            deflate = pipeline->compress_fn;
+            pipeline->compress_fn = compress;
+            pipeline->encoding_user_data = &deflate;
+        }
         if (!code) code = exr_encoding_run(context, 0, pipeline);
     }
     return code;
