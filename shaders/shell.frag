@@ -1,10 +1,9 @@
 #version 450 core
 // What one surfel adds to the samples of one pixel's ray that lie in the shell: radiance at the eye.
 //
-// A disc of area A, seen at distance d under the angle theta from its normal, fills the solid angle
-//   2 pi (1 - 1/sqrt(1 + x)),  x = A cos theta / (pi d^2),
-// which is exact on its axis, A cos theta/d^2 far away and at most a half-sphere however near. AL_CLAMPED: the paper's
-// A cos theta / max(d^2, A/pi), which is too dark near the disc.
+// A disc of area A, seen at distance d under the angle theta from its normal, fills about A cos theta/d^2 far away;
+// near it al_disc_angle keeps the mean over discs laid at random. AL_CLAMPED: the paper's A cos theta / max(d^2, A/pi),
+// which is too dark there.
 // AL_LEG: what the fogs leave of light between the surfel and the sample; the paper takes all of it.
 #extension GL_GOOGLE_include_directive : enable
 #include "formulas.glsl"
@@ -22,8 +21,7 @@ float solid_angle(float cosine, float squared)
 #ifdef AL_CLAMPED
     return place.w * cosine / max(squared, place.w / AL_PI);
 #else
-    float x = min(place.w * cosine / (AL_PI * squared), 1e30), root = sqrt(1.0 + x);
-    return 2.0 * AL_PI * x / (root * (1.0 + root)); // 1 - 1/root without cancellation
+    return al_disc_angle(place.w, cosine * sqrt(squared), squared);
 #endif
 }
 

@@ -23,8 +23,7 @@ vec3 arriving(vec3 place, vec3 direction)
         float cosine = dot(path, surfel.facing.xyz);
         vec3 radiance = cosine > 0.0 ? surfel.front.rgb : surfel.back.rgb;
         if (dot(radiance, vec3(1.0)) <= 0.0) continue;
-        float x = surfel.place.w * abs(cosine) / (AL_PI * squared), root = sqrt(1.0 + x);
-        radiance *= 2.0 * AL_PI * x / (root * (1.0 + root));
+        radiance *= al_disc_angle(surfel.place.w, abs(cosine) * squared * inverse, squared);
         radiance *= leg_transmittance(surfel.place.xyz, path, squared * inverse);
         sum += radiance * al_phase(fogs[0].sigma_t.w, -dot(path, direction));
     }

@@ -39,8 +39,28 @@ static void test_gauss_span(void)
     CHECK_NEAR(relative, 0, 4e-6);
 }
 
+/* Over all middles in the plane, at distance r from the foot: 2 pi r dr, by the midpoint rule over log r, whose ends leave out 1e-8
+ * of it. On the axis a disc's own solid angle; far away A h/d^3. */
+static void test_disc_angle(void)
+{
+    const double area = 0.02, radius = sqrt(area / AL_PI);
+    for (double height = 0; height < 2; height = height > 0 ? 3 * height : 1e-4) {
+        double sum = 0, step = 1e-4;
+        for (double e = -12; e < 20; e += step) { /* r = exp e */
+            double r = exp(e + step / 2);
+            sum += 2 * AL_PI * r * r * step * al_disc_angle(area, height, r * r + height * height);
+        }
+        CHECK_NEAR(sum / area, 2 * AL_PI, 1e-4);
+        double on_axis = 2 * AL_PI * (1 - height / sqrt(height * height + radius * radius));
+        CHECK_NEAR(al_disc_angle(area, height, fmax(height * height, 1e-30)), on_axis, 1e-9);
+    }
+    CHECK_NEAR(al_disc_angle(area, 30, 2500) / (area * 30 / 125e3), 1, 1e-4);
+    CHECK(al_disc_angle(0.0, 0.0, 1e-30) == 0);
+}
+
 int main(void)
 {
+    test_disc_angle();
     test_one_minus_exp();
     test_erf();
     test_gauss_span();

@@ -154,8 +154,7 @@ static void source_at(const readback *s, const ray *r, double t, double light[3]
         }
         const float *sent = cosine > 0 ? f->front : f->back;
         if (!(sent[0] > 0 || sent[1] > 0 || sent[2] > 0)) continue;
-        double x = f->place[3] * fabs(cosine) / (AL_PI * squared), root = sqrt(1 + x);
-        double angle = 2 * AL_PI * x / (root * (1 + root));
+        double angle = al_disc_angle(f->place[3], fabs(cosine) * distance, squared);
         readback_depth(s, &leg, distance, tau);
         for (int32_t i = 0; i < s->fogs.counts[0]; i++)
             for (int c = 0; c < 3 && sigma[i] > 0; c++)

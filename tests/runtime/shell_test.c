@@ -186,8 +186,7 @@ static double pair_light(const surfel *s, const double place[3], const double di
         cosine += path[k] * s->facing[k];
         turn -= path[k] * direction[k];
     }
-    double distance = sqrt(squared), x = s->place[3] * fabs(cosine) / distance / (AL_PI * squared);
-    double angle = 2 * AL_PI * (1 - 1 / sqrt(1 + x));
+    double distance = sqrt(squared), angle = al_disc_angle(s->place[3], fabs(cosine), squared);
     return (cosine > 0 ? s->front : s->back)[channel] * angle * al_phase(g, turn / distance) *
            exp(-sigma_t * distance);
 }

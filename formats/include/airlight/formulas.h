@@ -59,6 +59,18 @@ AL_FORMULA AL_REAL al_phase(AL_REAL g, AL_REAL cosine)
     return (1.0 - g * g) / (4.0 * AL_PI * denominator * sqrt(denominator));
 }
 
+/* Solid angle in sr that stands for a disc of `area` in m2, seen from `height` h >= 0 m over its plane at a squared
+ * distance d^2 > 0 from its middle: that of a small piece of its area seen from a height h' instead,
+ *   A h' / (d^2 - h^2 + h'^2)^(3/2),  h'^2 = s (s + h) / 2,  s^2 = h^2 + A/pi.
+ * On the axis it is the disc's, 2 pi (1 - h/s); far away A h/d^3; at most 2 pi. Whatever h' is, the integral over all
+ * middles in the plane is 2 pi A: a wall of discs laid at random is as bright on average as the wall, however near. */
+AL_FORMULA AL_REAL al_disc_angle(AL_REAL area, AL_REAL height, AL_REAL squared)
+{
+    AL_REAL s = sqrt(height * height + area / AL_PI), lifted = 0.5 * s * (s + height);
+    AL_REAL away = squared - height * height + lifted;
+    return area / away * sqrt(lifted / away);
+}
+
 /* 1 - exp(-x) for x >= 0 without cancellation. Below 1/4 by the first seven terms of the Taylor series, whose
  * remainder is below x^7/8! < 2e-9 of the value. */
 AL_FORMULA AL_REAL al_one_minus_exp(AL_REAL x)
