@@ -196,7 +196,8 @@ static al_status get_programs(al_draw *draw, programs *p)
 {
     al_shaders *shaders = draw->runtime->shaders;
     al_status status =
-        al_shaders_get(shaders, "surfel.vert surfel.tesc surfel.tese surfel.geom", "", &p->fine, draw->error);
+        al_shaders_get(shaders, "surfel.vert surfel.tesc surfel.tese surfel.geom",
+                                      draw->settings.surfels_plain ? "#define AL_PLAIN\n" : "", &p->fine, draw->error);
     if (status) return status;
     return al_shaders_get(shaders, "surfel.vert surfel_split.tesc surfel_split.tese surfel_split.geom", "",
                           &p->split, draw->error);
@@ -286,7 +287,7 @@ static void capture_instance(al_draw *draw, const programs *p, uint32_t index)
     const al_mesh *mesh = &runtime->scene.meshes[instance->mesh];
     GLuint vertex_array = runtime->model.meshes[instance->mesh].vertex_array;
     if (!sends(runtime, instance)) return;
-    int rounds = may_be_huge(runtime, instance, &runtime->surfels.rule) ? ROUNDS : 0;
+    int rounds = !draw->settings.surfels_plain && may_be_huge(runtime, instance, &runtime->surfels.rule) ? ROUNDS : 0;
     for (uint32_t i = 0; i < mesh->submesh_count; i++) {
         const al_submesh *part = &mesh->submeshes[i];
         GLint mirrors = al_instance_mirrors(instance) ? -1 : 1;

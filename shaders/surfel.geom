@@ -4,7 +4,7 @@
 // max(A, A*) = A, so that areas add up to the triangle's in expectation. The random number is even over the
 // surfels of the triangle, k + u of n for the k-th, all with one u: where A* is the same all over it, |T| / A* of them
 // are kept but for rounding up or down, and as A* falls they come one by one. They leave by stream 1; by stream 0,
-// whose primitives are counted apart, parts of huge triangles.
+// whose primitives are counted apart, parts of huge triangles. AL_PLAIN: all are kept.
 #extension GL_GOOGLE_include_directive : enable
 #include "packed_color.glsl"
 #include "surfel_edges.glsl"
@@ -62,6 +62,9 @@ bool is_kept(vec3 position)
 void main()
 {
     float wanted = wanted_area(distance(fine_position[0], eye.xyz));
+#ifdef AL_PLAIN
+    wanted = fine_size[0];
+#endif
     if (fine_random[0] * wanted >= fine_size[0] || !is_kept(fine_position[0])) return;
     float area = max(fine_size[0], wanted), metallic = base.a, roughness = emission.a;
     vec3 color = base.rgb, light = emission.rgb;

@@ -2,6 +2,7 @@
 // A fine surfel: somewhere on its triangle, evenly at random, which covers needles as evenly as others (the
 // tessellator's own points would stand in rows). The tessellator says which of the triangle's surfels it is, instance
 // and primitive say which triangle: so a surfel stays where it is when its triangle is cut more finely.
+// AL_PLAIN: the tessellator's own points (Nalbach et al. 2014).
 #extension GL_GOOGLE_include_directive : enable
 #include "surfel_hash.glsl"
 #include "surfel_size.glsl"
@@ -51,6 +52,9 @@ void main()
     vec2 random = vec2(hash(uvec3(seed, index, 1u)).xy >> 8) / 16777216.0;
     float root = sqrt(random.x); // even over the triangle (Turk 1990)
     vec3 share = vec3(1.0 - root, root * (1.0 - random.y), root * random.y);
+#ifdef AL_PLAIN
+    share = gl_TessCoord;
+#endif
     vec3 across = cross(corner_position[1] - corner_position[0], corner_position[2] - corner_position[0]);
     fine_position = share.x * corner_position[0] + share.y * corner_position[1] + share.z * corner_position[2];
     fine_uv = share.x * corner_uv[0] + share.y * corner_uv[1] + share.z * corner_uv[2];

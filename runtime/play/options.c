@@ -14,7 +14,7 @@ typedef struct raw_options {
         bounce_filter, screen_steps;
     double march_step, shell_epsilon, shell_radius, surfel_size, surfel_margin, bounce_radius, bounce_overlap, occlusion_radius,
         screen_thickness;
-    bool no_surface, no_background, no_clip, no_normalise, no_shadows, no_lod, no_fog, no_surface_scattering,
+    bool surfels_plain, no_surface, no_background, no_clip, no_normalise, no_shadows, no_lod, no_fog, no_surface_scattering,
         shells_closed, shells_clamped, no_second_leg, blur_plain, visibility, bounce_near_off, occlusion_uniform,
         indirect, lambert_senders, ambient_occlusion;
 } raw_options;
@@ -115,6 +115,7 @@ static int apply(const al_program *program, const raw_options *raw, al_play_opti
     s->fog_steps = (uint32_t)raw->fog_steps;
     s->surface_scattering_off = raw->no_surface_scattering;
     s->surfel_pixels = (float)raw->surfel_size;
+    s->surfels_plain = raw->surfels_plain;
     s->surfel_limit = (uint32_t)raw->surfel_limit;
     s->surfel_margin_m = (float)raw->surfel_margin;
     s->shell_epsilon_w_m2_sr = (float)raw->shell_epsilon;
@@ -203,6 +204,7 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
          "radius of the surfels that send light into the fog (4.6, less where the picture is smaller than 74)", 0.1, 1000},
         {"--surfel-margin", "M", AL_OPTION_REAL, &raw.surfel_margin,
          "surfels farther outside of the view, metres, are left out (none is)", 1e-6, 1e6},
+        {"--surfels-plain", NULL, AL_OPTION_FLAG, &raw.surfels_plain, "surfels as published in 2014, for comparison", 0, 0},
         {"--surfel-limit", "N", AL_OPTION_INT, &raw.surfel_limit,
          "the most surfels; they are larger where there would be more (1048576)", 64, 4194304},
         {"--shell-epsilon", "L", AL_OPTION_REAL, &raw.shell_epsilon,

@@ -196,6 +196,19 @@ static void test_areas(const char *name, const triangles *t, const al_view *view
     al_runtime_destroy(runtime);
 }
 
+/* As published in 2014 each triangle keeps all points of its level, of equal areas: 48 of one so large that it wants more,
+ * at least 3 of a tiny one. */
+static void test_plain(const triangles *t, const al_view *view)
+{
+    al_runtime *runtime = open_scene(t, NULL, 0, 0);
+    al_settings settings = {.pass = AL_PASS_SURFELS, .surfel_pixels = 3, .surfels_plain = true};
+    cloud c = draw_cloud(runtime, view, &settings);
+    CHECK(t->count < 100 ? c.count == t->count * 48 : c.count >= t->count * 3);
+    CHECK_NEAR(c.area, total_area(t), 1e-5 * total_area(t));
+    free(c.surfels);
+    al_runtime_destroy(runtime);
+}
+
 /* From inside a box of two triangles a side, of very small ones, and of needles 2 m long and 1 mm wide; of
  * each side, one half shows its back. */
 static void test_shapes(void)
@@ -205,8 +218,10 @@ static void test_shapes(void)
     al_view inside = stage_look(800, 600, (float[3]){0.1f, 0.2f, 0.9f}, (float[3]){0, 0, -1}, 0.7f);
     add_box(&huge, middle, half, 1);
     test_areas("huge", &huge, &inside, 3);
+    test_plain(&huge, &inside);
     add_box(&tiny, middle, half, 100);
     test_areas("tiny", &tiny, &inside, 3);
+    test_plain(&tiny, &inside);
     add_box(&tiny, middle, flat, 20); /* fronts inwards: about as many surfels in each triangle as can be */
     test_areas("mixed", &tiny, &inside, 3);
     for (int i = 0; i < 1000; i++) {

@@ -135,6 +135,7 @@ typedef struct al_settings {
     bool surface_scattering_off; /* no light from surfaces is scattered by the fog: no surfels */
     float surfel_pixels;     /* radius of a surfel in the picture, 0: 4.6, at most 1/16 of its edges; 0.1 to 1000 */
     uint32_t surfel_seed;    /* another one places all surfels anew: one for each frame of a mean */
+    bool surfels_plain;      /* neither split, placed at random nor thinned, as published in 2014: for comparison */
     uint32_t surfel_limit;   /* the most surfels, of which each takes 80 bytes, 0: 2^20; 64 to 2^22; they are coarser
                               * where there would be more */
     uint32_t interval_count; /* knots of the interval maps, 0: 16; 4 to 32 */
