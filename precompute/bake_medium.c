@@ -9,6 +9,7 @@
 
 #include "airlight/medium.h"
 #include "fog_depth.h"
+#include "fog_skin.h"
 #include "light_key.h"
 #include "sky_light.h"
 
@@ -171,6 +172,7 @@ al_status al_bake_medium(const al_import *import, uint32_t fog, uint64_t key, co
     source s = {0};
     al_sky_light light = {0};
     al_fog_depths depths = {0};
+    al_fog_skin skin;
     al_medium_data data = {.user = &s, .provenance_json = provenance};
     describe(import, fog, &s, &data.info);
     data.slice = s.voxels.values              ? grid_slice
@@ -190,6 +192,7 @@ al_status al_bake_medium(const al_import *import, uint32_t fog, uint64_t key, co
                          (uint64_t)light.sky.size[0] * light.sky.size[1] * light.sky.size[2]);
         started = al_program_seconds();
     }
+    if (al_fog_varies(import, fog)) al_fog_skin_watch(import, fog, options, &data, &skin);
     if (!al_fog_depth_missing(import, fog)) al_fog_depths_place(import, fog, options, &data, &depths);
     al_bake_medium_file(import, fog, file, sizeof file);
     snprintf(path, sizeof path, "%s/%s", options->folder, file);

@@ -133,4 +133,32 @@ run 1 "$bin/airlight-compare" "$work/s0001.exr" "$work/s0002.exr" --fail-above m
 rm "$work/smoke_1.vdb"
 fails 3 "smoke_1.vdb" "$bin/airlight-bake" "$work/smoke.json" -o "$work/smoke"
 
+# A fog that is little more than one voxel of many mean free paths is refused where surfaces light it.
+dense() { # DENSITY REST [MESH [BAKE]]: 9^3 voxels of 2/9 m
+    "$bin/vdb_speck" "$work/speck.vdb" 9 2 "$1" "$2"
+    cat >"$work/dense.json" <<SCENE
+{
+  "meshes": [${3-}],
+  "lights": [{"name": "lamp", "type": "point", "position_m": [0, 3, 0], "intensity_w_sr": 1}],
+  "media": [{"name": "smoke", "sigma_s_per_m": 1, "density": {"type": "grid", "file": "speck.vdb"}}],
+  "fogs": ["smoke"], "bake": {${4-}}
+}
+SCENE
+    rm -rf "$work/dense"
+}
+floor='{"name": "floor", "shape": {"type": "plane", "width_m": 4, "depth_m": 4}}'
+dense 1000 0 "$floor"
+fails 3 "voxels thicker than 200 mean free paths stop 100 % of its light" "$bin/airlight-bake" "$work/dense.json" -o "$work/dense"
+[ ! -e "$work/dense/smoke.medium.air" ] || wrong "a refused fog was written"
+for case in "800 0" "1e6 0.1"; do
+    # shellcheck disable=SC2086
+    dense $case "$floor"
+    run 0 "$bin/airlight-bake" "$work/dense.json" -o "$work/dense" --quiet
+done
+dense 1e6 0
+run 0 "$bin/airlight-bake" "$work/dense.json" -o "$work/dense" --quiet
+dense 1e6 0 "$floor" '"too_dense": "bake"'
+run 0 "$bin/airlight-bake" "$work/dense.json" -o "$work/dense"
+grep -q "light of surfaces in it will look wrong" "$work/stderr" || wrong "a fog too dense is not called wrong"
+
 finish
