@@ -234,17 +234,21 @@ static al_status report(const al_draw *draw, int32_t done, int32_t total)
 /* The pixels beyond a tile's sides that its own take light from by the blur: a spline across three texels of the mip, and
  * three halves of a texel for what binomial kernels gathered into each, so three texels in all. *unit: blocks of
  * pixels and texels of mips lie alike in all tiles that begin at its multiples. Mips above the seventh reach too far;
- * their tiles meet with a seam. */
-static int32_t blur_reach(const al_draw *draw, int32_t *unit)
+ * their tiles meet with a seam. Likewise by the filter over rays from surfaces. */
+static int32_t tile_reach(const al_draw *draw, int32_t *unit)
 {
     const al_settings *settings = &draw->settings;
     int32_t level = (int32_t)settings->shell_levels - 1, mip = (int32_t)settings->blur_mips;
+    bool blurs = draw->needs_map && draw->needs_surfels && !settings->blur_off,
+         filters = (draw->effects[AL_BOUNCE_OCCLUSION] || draw->effects[AL_BOUNCE_INDIRECT]) && !settings->bounce_filter_off;
     *unit = 1;
-    if (!draw->needs_map || !draw->needs_surfels || settings->blur_off) return 0;
+    if (!blurs && !filters) return 0;
     if (!settings->visibility) mip += level;
     if (mip > 7) mip = 7;
-    *unit = 1 << (mip > level ? mip : level);
-    return (3 * (1 << mip) + *unit - 1) / *unit * *unit;
+    int32_t reach = filters ? (int32_t)settings->bounce_filter : 0;
+    *unit = 1 << (blurs && mip > level ? mip : level);
+    if (blurs && reach < 3 * (1 << mip)) reach = 3 * (1 << mip);
+    return (reach + *unit - 1) / *unit * *unit;
 }
 
 /* Length of equal parts, with `reach` on both sides at most `most`, of `total`; a multiple of `unit` where there are several. */
@@ -261,7 +265,7 @@ static al_status draw_tiles(al_draw *draw)
 {
     const int32_t size[2] = {(int32_t)draw->view->width, (int32_t)draw->view->height},
                   most[2] = {AL_TILE_WIDTH, AL_TILE_HEIGHT};
-    int32_t unit, reach = blur_reach(draw, &unit), part[2], done = 0, total = 1;
+    int32_t unit, reach = tile_reach(draw, &unit), part[2], done = 0, total = 1;
     al_status status = AL_OK;
     for (int k = 0; k < 2; k++) {
         part[k] = part_length(size[k], most[k], reach, unit);

@@ -4,8 +4,8 @@
 // A surfel whose middle lies in the shell stands for 4^l surfels, so its disc has 2^l times the radius. Nearer ones,
 // which a finer level takes, are tested too, as large as they are there: the same fragment, fewer gaps.
 //
-// AL_SURFACE: discs end where their triangle ends, at each of its edges over which it is at least two radii high (in a mesh
-// finer than that, discs stand for the triangles around too). Half a disc at an edge covers half as much, so its radius
+// AL_SURFACE: discs end where their triangle ends, at each of its edges over which it is at least a radius high, two in the
+// coarser levels, which are dealt few of its surfels (in a finer mesh discs stand for the triangles around too). Half a disc at an edge covers half as much, so its radius
 // squared grows by 1 / (1/2 + d/2r) for each edge at a distance d < r. What ends at all three edges pokes out nowhere and
 // may be twice as large, so that fewer rays pass between discs.
 //
@@ -41,10 +41,10 @@ bool lies_on(ivec2 pixel, vec3 path, float radius2, bool whole)
 }
 
 // Whether `off`, from the disc's middle, is behind an edge; otherwise its radius squared, and whether all edges end it.
-bool passes_edge(vec3 off, inout float radius2, out bool whole)
+bool passes_edge(vec3 off, float scale, inout float radius2, out bool whole)
 {
     float radius = sqrt(radius2);
-    bvec3 ends = greaterThanEqual(heights, vec3(2.0 * radius));
+    bvec3 ends = greaterThanEqual(heights, vec3(scale > 1.0 ? 2.0 * radius : radius));
     whole = all(ends);
     if (whole) radius2 *= 2.0;
     for (int i = 0; i < 3; i++) {
@@ -78,7 +78,7 @@ void main()
     float radius2 = disc.w * scale;
 #ifdef AL_SURFACE
     bool whole;
-    if (passes_edge(off, radius2, whole) || lies_on(pixel, path, radius2, whole)) discard;
+    if (passes_edge(off, scale, radius2, whole) || lies_on(pixel, path, radius2, whole)) discard;
 #endif
     if (!(t > 0.0) || !(dot(off, off) <= radius2)) discard;
     hit = uint(number);

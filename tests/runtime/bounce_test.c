@@ -92,8 +92,8 @@ static bool passes_edge(const surfel *s, const double off[3], double *radius2, b
     *doubt = 1;
     for (int e = 0; e < 3; e++) {
         double height = exp2(((s->edges[3] >> 8 * e & 255) - 64.0) / 8) * root;
-        ends[e] = height >= 2 * radius;
-        *doubt = fmin(*doubt, fabs(height / (2 * radius) - 1));
+        ends[e] = height >= radius;
+        *doubt = fmin(*doubt, fabs(height / radius - 1));
     }
     *whole = ends[0] && ends[1] && ends[2];
     if (*whole) *radius2 *= 2;

@@ -5,6 +5,7 @@
  * them. A share exp(-3) of the rays at most passes between discs of three times the walls' area.
  * Two plates: the floor sends 1, a small plate over its middle gets its form factor (Howell, configuration B-4: a
  * differential area parallel to a rectangle's corner).
+ * Glossy senders in fog: a lamp, a metal wall, a metal floor, the eye, by quadrature over the wall.
  * What is left alone: a floor without others, and convex surfaces, get nothing from themselves. */
 #include <epoxy/gl.h>
 #include <math.h>
@@ -209,6 +210,94 @@ static void test_plates(const char *folder)
     al_runtime_destroy(runtime);
 }
 
+/* --- glossy senders --- */
+
+static const double shine_alpha = 0.49, shine_color = 0.9, fog_per_m = 0.3;
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* BRDF of the metal: GGX's D with Smith's G1 of both sides and Schlick's F. */
+static double shine(const double normal[3], const double light[3], const double view[3])
+{
+    double m[3], a2 = shine_alpha * shine_alpha, in = dot(normal, light), out = dot(normal, view);
+    if (in <= 0 || out <= 0) return 0;
+    for (int k = 0; k < 3; k++) m[k] = light[k] + view[k];
+    double size = sqrt(dot(m, m)), facing = dot(normal, m) / size, spread = 1 - facing * facing * (1 - a2);
+    double g = 1 / ((in + sqrt(a2 + (1 - a2) * in * in)) * (out + sqrt(a2 + (1 - a2) * out * out)));
+    return fresnel(shine_color, dot(view, m) / size) * a2 / (AL_PI * spread * spread) * g;
+}
+
+static double towards(const double from[3], const double to[3], double direction[3])
+{
+    for (int k = 0; k < 3; k++) direction[k] = to[k] - from[k];
+    double size = sqrt(dot(direction, direction));
+    for (int k = 0; k < 3; k++) direction[k] /= size;
+    return size;
+}
+
+/* What the eye sees at `place` on the floor: the wall at z = -0.5 is 1 m wide and high, the lamp sends 1 W/sr. */
+static double shone_on(const double place[3], const double view[3], const double lamp[3])
+{
+    const double up[3] = {0, 1, 0}, front[3] = {0, 0, 1};
+    double sum = 0;
+    for (int i = 0; i < NODES * NODES; i++) {
+        double at[3] = {(i % NODES + 0.5) / NODES - 0.5, (i / NODES + 0.5) / NODES, -0.5}, in[3], out[3];
+        double reach = towards(at, lamp, in), leg = towards(at, place, out), back[3] = {-out[0], -out[1], -out[2]};
+        sum += shine(front, in, out) * dot(front, in) / (reach * reach) * dot(front, out) / (leg * leg) *
+               shine(up, back, view) * back[1] * exp(-fog_per_m * (reach + leg));
+    }
+    return sum / (NODES * NODES);
+}
+
+static void test_senders(const char *folder)
+{
+    const double lamp[3] = {0.3, 0.9, 0.6};
+    const float eye[3] = {0.2f, 1.2f, 2.5f};
+    static seen s;
+    sphere_scene scene;
+    al_fog fog = {.density = 1, .asset = ""};
+    sphere_scene_begin(&scene);
+    for (int c = 0; c < 3; c++) {
+        scene.medium.sigma_s_per_m[c] = 0;
+        scene.medium.sigma_a_per_m[c] = (float)fog_per_m;
+        scene.materials[1].base_color[c] = (float)shine_color;
+    }
+    scene.materials[1].metallic = 1;
+    scene.materials[1].roughness = (float)sqrt(shine_alpha);
+    scene.scene.fogs = &fog;
+    scene.scene.fog_count = 1;
+    add_square(&scene, 4, (float[3]){0, 0, 0}, 1, 1);
+    add_square(&scene, 1, (float[3]){0, 0.5f, -0.5f}, 2, 1);
+    sphere_scene_add_light(&scene, AL_LIGHT_POINT, (float[3]){0.3f, 0.9f, 0.6f}, 1);
+    al_runtime *runtime = open_scene(folder, &scene);
+    al_view view = stage_look(EDGE, EDGE, eye, (float[3]){0, 0, 0.3f}, 0.35f);
+    al_settings settings = {.pass = AL_PASS_INDIRECT, .bounce_samples = 32, .surfel_pixels = 1, .shell_levels = 1,
+                            .bounce_filter_off = true};
+    float *pixels = draw(runtime, &view, &settings);
+    double found = 0, expected = 0;
+    read_seen(runtime, &s);
+    for (uint32_t i = 0; i < EDGE * EDGE && pixels; i++) {
+        double place[3], away = s.geometry[i][3];
+        if (s.geometry[i][1] < 0.9f) continue;
+        for (int k = 0; k < 3; k++) place[k] = (double)eye[k] - away * s.view[i][k];
+        found += (double)pixels[3 * i];
+        expected += shone_on(place, s.view[i], lamp) * exp(-fog_per_m * away);
+    }
+    printf("glossy senders in fog: %.4f of the quadrature\n", found / expected);
+    CHECK(expected > 0);
+    CHECK(found / expected > 1 - exp(-3) - 0.03); /* gaps; the noise of some 20 000 rays, a third of which meet the wall */
+    CHECK(found / expected < 1.03);
+    settings.indirect_lambert = true;
+    float *matt = draw(runtime, &view, &settings);
+    if (matt) CHECK(stage_sum(matt, EDGE * EDGE * 3) == 0); /* a metal has no Lambert's part */
+    free(pixels);
+    free(matt);
+    al_runtime_destroy(runtime);
+}
+
 /* --- what is left alone, and sums --- */
 
 static void test_alone(const char *folder)
@@ -292,6 +381,7 @@ int main(void)
     if (!folder) return test_end();
     test_furnace(folder);
     test_plates(folder);
+    test_senders(folder);
     test_alone(folder);
     test_sums(folder);
     return test_end();
