@@ -71,14 +71,11 @@ each() {
         "$1" $scene variant surfels-shells 4 --bounce-radius "$(shell $scene)"
         "$1" $scene variant surfels-near-off 4 --bounce-radius "$(shell $scene)" --bounce-near-off
         "$1" $scene variant surfels-plain 4 --surfels-plain
-        for carrier in surfels volumes screen; do
-            for frames in 1 4 16; do
-                "$1" $scene $carrier-directions $frames $frames --occlusion-carrier $carrier --bounce-filter 0
-            done
-        done
     done
     for carrier in surfels volumes screen; do
-        "$1" dominoes $carrier-directions 64 64 --occlusion-carrier $carrier --bounce-filter 0
+        for frames in 1 4 16 64; do
+            "$1" dominoes $carrier-directions $frames $frames --occlusion-carrier $carrier --bounce-filter 0
+        done
     done
     for value in 0 1 2 4 8; do "$1" dominoes volumes-filter $value 4 --occlusion-carrier volumes --bounce-filter $value; done
     for value in 0 1 2 4 8; do "$1" dominoes surfels-filter $value 4 --bounce-filter $value; done
