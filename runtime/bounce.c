@@ -28,9 +28,7 @@ al_status al_bounce_fit(al_draw *draw, const al_shell_block *shells)
     al_bounce *bounce = &runtime->bounce;
     al_gl_memory *memory = &runtime->memory;
     uint32_t width = (uint32_t)shells->size[0], height = (uint32_t)shells->size[1], levels = (uint32_t)shells->counts[0];
-    al_status status = AL_OK;
-    if (!bounce->constants.id)
-        status = al_gl_buffer_create(memory, sizeof(al_bounce_block), NULL, &bounce->constants, draw->error);
+    al_status status = al_gl_buffer_fit(memory, sizeof(al_bounce_block), &bounce->constants, draw->error);
     if (!status)
         status = al_gl_texture_fit(memory, GL_TEXTURE_2D, GL_RGBA32F, (uint32_t)draw->tile[2], (uint32_t)draw->tile[3],
                                    1, &bounce->rays, draw->error);
@@ -177,16 +175,21 @@ al_status al_bounce_inspect(al_draw *draw)
     return AL_OK;
 }
 
-void al_bounce_free(al_runtime *runtime)
+void al_bounce_sweep(al_runtime *runtime)
 {
     al_bounce *bounce = &runtime->bounce;
     al_gl_texture *const textures[] = {&bounce->rays, &bounce->hits,     &bounce->depths,
                                        &bounce->span, &bounce->arriving, &bounce->light};
     for (size_t i = 0; i < sizeof textures / sizeof textures[0]; i++)
-        al_gl_texture_free(&runtime->memory, textures[i]);
-    al_gl_buffer_free(&runtime->memory, &bounce->constants);
-    al_gl_buffer_free(&runtime->memory, &bounce->shells);
-    if (bounce->framebuffer) glDeleteFramebuffers(1, &bounce->framebuffer);
-    if (bounce->light_framebuffer) glDeleteFramebuffers(1, &bounce->light_framebuffer);
-    memset(bounce, 0, sizeof *bounce);
+        al_gl_texture_sweep(&runtime->memory, textures[i]);
+    al_gl_buffer_sweep(&runtime->memory, &bounce->constants);
+    al_gl_buffer_sweep(&runtime->memory, &bounce->shells);
+    al_gl_framebuffer_sweep(&bounce->framebuffer, &bounce->hits);
+    al_gl_framebuffer_sweep(&bounce->light_framebuffer, &bounce->light);
+}
+
+uint64_t al_bounce_bytes(const al_runtime *runtime)
+{
+    const al_bounce *bounce = &runtime->bounce;
+    return bounce->rays.bytes + bounce->hits.bytes + bounce->depths.bytes + bounce->constants.size;
 }

@@ -47,10 +47,8 @@ static al_status fit(al_draw *draw, al_carrier carrier, const al_shell_block *bl
     for (int i = !rays; i < 2 && !status; i++)
         status = al_gl_texture_fit(&runtime->memory, GL_TEXTURE_2D, GL_RGBA32F, (uint32_t)draw->tile[2],
                                    (uint32_t)draw->tile[3], 1, pictures[i], draw->error);
-    if (!status && !bounce->constants.id)
-        status = al_gl_buffer_create(&runtime->memory, sizeof(al_bounce_block), NULL, &bounce->constants, draw->error);
-    if (!status && !bounce->shells.id)
-        status = al_gl_buffer_create(&runtime->memory, sizeof *block, NULL, &bounce->shells, draw->error);
+    if (!status) status = al_gl_buffer_fit(&runtime->memory, sizeof(al_bounce_block), &bounce->constants, draw->error);
+    if (!status) status = al_gl_buffer_fit(&runtime->memory, sizeof *block, &bounce->shells, draw->error);
     return status;
 }
 
@@ -149,9 +147,14 @@ static al_status arrive(al_draw *draw, al_stage stage, al_bounce_effect effect)
     return run(draw, stage, "bounce_arrive.comp", defines);
 }
 
+static al_stage first_stage(al_bounce_effect effect)
+{
+    return effect == AL_BOUNCE_INDIRECT ? AL_STAGE_INDIRECT_RAYS : AL_STAGE_OCCLUSION_RAYS;
+}
+
 static al_status take_sample(al_draw *draw, al_bounce_effect effect, const al_shell_block *shells)
 {
-    al_stage stage = effect == AL_BOUNCE_INDIRECT ? AL_STAGE_INDIRECT_RAYS : AL_STAGE_OCCLUSION_RAYS;
+    al_stage stage = first_stage(effect);
     const char *receiver = receiver_define(draw, effect);
     al_status status = run(draw, stage, "bounce_surface.comp", receiver);
     if (!status) status = find_hits(draw, carrier_of(draw, effect), stage + 1, shells);
@@ -196,7 +199,7 @@ al_status al_bounce_surface(al_draw *draw, al_bounce_effect effect)
     glBindBufferBase(GL_UNIFORM_BUFFER, 3, bounce->shells.id);
     glNamedBufferSubData(bounce->constants.id, 0, sizeof block, &block);
     glBindBufferBase(GL_UNIFORM_BUFFER, 4, bounce->constants.id);
-    if (carrier != AL_CARRIER_SCREEN) status = al_span_run(draw, &shells, &bounce->span, "#define AL_SURFACE\n");
+    if (carrier != AL_CARRIER_SCREEN) status = al_span_run(draw, first_stage(effect), &shells, &bounce->span, "#define AL_SURFACE\n");
     if (!status && carrier == AL_CARRIER_VOLUMES_BLENDED) {
         status = al_volumes_sum(draw, AL_STAGE_OCCLUSION_HITS);
         return status ? status : add(draw, effect);
@@ -211,5 +214,6 @@ al_status al_bounce_surface(al_draw *draw, al_bounce_effect effect)
 uint64_t al_bounce_surface_bytes(const al_runtime *runtime)
 {
     const al_bounce *bounce = &runtime->bounce;
-    return bounce->span.bytes + bounce->arriving.bytes + bounce->light.bytes + bounce->shells.size;
+    return bounce->span.bytes + bounce->arriving.bytes + bounce->light.bytes + bounce->shells.size +
+           runtime->targets.material.bytes;
 }

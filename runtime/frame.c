@@ -178,7 +178,7 @@ static al_status draw_surface_scattering(al_draw *draw)
     al_status status = al_interval_map_run(draw);
     if (status) return status;
     if (pass == AL_PASS_INTERVAL_MAP || pass == AL_PASS_DEPLETION) return al_shells_inspect(draw);
-    status = al_span_run(draw, &draw->runtime->shells.block, &draw->runtime->shells.span, "");
+    status = al_span_run(draw, AL_STAGE_SPAN, &draw->runtime->shells.block, &draw->runtime->shells.span, "");
     if (!status) status = draw->settings.visibility ? al_bounce_medium(draw) : al_shells_draw(draw);
     if (status) return status;
     if (pass == AL_PASS_SHELLS) return al_shells_inspect(draw);
@@ -337,7 +337,6 @@ static void choose_effects(al_draw *draw)
         ambient || settings->pass == AL_PASS_AMBIENT_OCCLUSION || (rays && !settings->indirect);
     draw->effects[AL_BOUNCE_INDIRECT] = indirect && receives && surfaces_send(runtime);
     draw->needs_material = ambient || draw->effects[AL_BOUNCE_INDIRECT];
-    memcpy(draw->runtime->bounce.ran, draw->effects, sizeof draw->effects);
 }
 
 /* How many levels or layers the pass can show one of. */
@@ -375,6 +374,8 @@ static al_status draw_frame(al_draw *draw)
     bool occludes = draw->effects[AL_BOUNCE_OCCLUSION] && draw->settings.occlusion_carrier == AL_CARRIER_SURFELS;
     draw->needs_surfels = runtime->model.has_opaque && (pass == AL_PASS_SURFELS || into_fog || occludes ||
                                                         draw->effects[AL_BOUNCE_INDIRECT]);
+    draw->needs_objects = runtime->scene.translucent_count && runtime->sorted[0] != AL_NO_INDEX &&
+                          pass != AL_PASS_SURFELS && !shows_effect(pass);
     draw->needs_map = into_fog || (runtime->fogs.drawn && (pass == AL_PASS_INTERVAL_MAP || pass == AL_PASS_DEPLETION));
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, runtime->frame_block.id);
     if (shows_level(pass)) draw->settings.visibility = false;
@@ -422,9 +423,13 @@ al_status al_runtime_draw(al_runtime *runtime, const al_view *view, const al_set
     al_gl_reset_state();
     if (!depth_texture) glClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, black);
     if (runtime->loaded) {
+        runtime->settings = draw.settings;
+        runtime->drawn = true;
+        runtime->memory.frame++;
         al_timing_begin_frame(&runtime->timing);
         status = draw_frame(&draw);
         al_timing_end_frame(&runtime->timing);
+        al_runtime_sweep(runtime);
         runtime->frame_number++;
     }
     glDisable(GL_SCISSOR_TEST);

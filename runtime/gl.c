@@ -78,6 +78,22 @@ void al_gl_buffer_free(al_gl_memory *memory, al_gl_buffer *buffer)
     *buffer = (al_gl_buffer){0};
 }
 
+al_status al_gl_buffer_fit(al_gl_memory *memory, uint64_t size, al_gl_buffer *buffer, al_error *error)
+{
+    al_status status = AL_OK;
+    if (buffer->size != size) {
+        al_gl_buffer_free(memory, buffer);
+        status = al_gl_buffer_create(memory, size, NULL, buffer, error);
+    }
+    buffer->frame = memory->frame;
+    return status;
+}
+
+void al_gl_buffer_sweep(al_gl_memory *memory, al_gl_buffer *buffer)
+{
+    if (buffer->frame != memory->frame) al_gl_buffer_free(memory, buffer);
+}
+
 static uint64_t texture_bytes(const al_gl_texture *t, uint32_t levels)
 {
     uint64_t bytes = 0, width = t->width, height = t->height;
@@ -93,7 +109,7 @@ al_status al_gl_texture_create(al_gl_memory *memory, GLenum target, GLenum forma
                                uint32_t height, uint32_t depth, uint32_t levels, al_gl_texture *texture,
                                al_error *error)
 {
-    al_gl_texture made = {0, target, format, width, height, depth, levels, 0};
+    al_gl_texture made = {0, target, format, width, height, depth, levels, 0, memory->frame};
     *texture = (al_gl_texture){0};
     drop_errors();
     glCreateTextures(target, 1, &made.id);
@@ -129,8 +145,10 @@ al_status al_gl_texture_fit_mips(al_gl_memory *memory, GLenum target, GLenum for
                                  al_error *error)
 {
     if (texture->id && texture->target == target && texture->format == format && texture->width == width &&
-        texture->height == height && texture->depth == depth && texture->levels == levels)
+        texture->height == height && texture->depth == depth && texture->levels == levels) {
+        texture->frame = memory->frame;
         return AL_OK;
+    }
     al_gl_texture_free(memory, texture);
     return al_gl_texture_create(memory, target, format, width, height, depth, levels, texture, error);
 }
@@ -139,6 +157,18 @@ al_status al_gl_texture_fit(al_gl_memory *memory, GLenum target, GLenum format, 
                             uint32_t height, uint32_t depth, al_gl_texture *texture, al_error *error)
 {
     return al_gl_texture_fit_mips(memory, target, format, width, height, depth, 1, texture, error);
+}
+
+void al_gl_texture_sweep(al_gl_memory *memory, al_gl_texture *texture)
+{
+    if (texture->frame != memory->frame) al_gl_texture_free(memory, texture);
+}
+
+void al_gl_framebuffer_sweep(GLuint *framebuffer, const al_gl_texture *first)
+{
+    if (!*framebuffer || first->id) return;
+    glDeleteFramebuffers(1, framebuffer);
+    *framebuffer = 0;
 }
 
 void al_gl_reset_state(void)

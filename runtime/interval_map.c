@@ -93,9 +93,7 @@ al_status al_shells_prepare(al_draw *draw)
     else if (!one_medium(fogs, block->medium))
         shells->weighing = AL_INTERVAL_WEIGHTS_COLOURED;
     shells->cell_m = cell_of(fogs);
-    al_status status = AL_OK;
-    if (!shells->constants.id)
-        status = al_gl_buffer_create(&runtime->memory, sizeof *block, NULL, &shells->constants, draw->error);
+    al_status status = al_gl_buffer_fit(&runtime->memory, sizeof *block, &shells->constants, draw->error);
     if (status || !draw->needs_surfels || settings->visibility || settings->second_leg_off) return status;
     return al_legs_run(draw);
 }
@@ -168,16 +166,15 @@ al_status al_interval_map_run(al_draw *draw)
     return AL_OK;
 }
 
-void al_shells_free(al_runtime *runtime)
+void al_shells_sweep(al_runtime *runtime)
 {
     al_shells *shells = &runtime->shells;
     al_gl_texture *const textures[] = {&shells->steps, &shells->ends,   &shells->weights,
                                        &shells->span,  &shells->levels, &shells->light};
     for (size_t i = 0; i < sizeof textures / sizeof textures[0]; i++)
-        al_gl_texture_free(&runtime->memory, textures[i]);
-    al_gl_buffer_free(&runtime->memory, &shells->constants);
-    if (shells->framebuffer) glDeleteFramebuffers(1, &shells->framebuffer);
-    memset(shells, 0, sizeof *shells);
+        al_gl_texture_sweep(&runtime->memory, textures[i]);
+    al_gl_buffer_sweep(&runtime->memory, &shells->constants);
+    al_gl_framebuffer_sweep(&shells->framebuffer, &shells->levels);
 }
 
 uint64_t al_interval_map_bytes(const al_runtime *runtime)
@@ -189,9 +186,6 @@ uint64_t al_interval_map_bytes(const al_runtime *runtime)
 uint64_t al_shells_bytes(const al_runtime *runtime)
 {
     const al_shells *shells = &runtime->shells;
-    const al_bounce *bounce = &runtime->bounce;
     return shells->span.bytes + shells->levels.bytes + shells->light.bytes + runtime->legs.extinction.bytes +
-           runtime->fogs.depth.bytes +
-           runtime->legs.constants.size + bounce->rays.bytes + bounce->hits.bytes + bounce->depths.bytes +
-           bounce->constants.size;
+           runtime->legs.constants.size + runtime->fogs.depth.bytes;
 }

@@ -32,9 +32,7 @@ al_status al_legs_run(al_draw *draw)
     al_legs *legs = &runtime->legs;
     al_legs_block block;
     GLuint program;
-    al_status status = AL_OK;
-    if (!legs->constants.id)
-        status = al_gl_buffer_create(&runtime->memory, sizeof block, NULL, &legs->constants, draw->error);
+    al_status status = al_gl_buffer_fit(&runtime->memory, sizeof block, &legs->constants, draw->error);
     if (status) return status;
     bool gridded = fill(&runtime->fogs.block, draw->settings.second_leg_steps, &block);
     legs->order = 0;
@@ -75,8 +73,9 @@ GLuint al_legs_texture(const al_runtime *runtime)
     return runtime->legs.order ? runtime->fogs.depth.id : runtime->legs.extinction.id;
 }
 
-void al_legs_free(al_runtime *runtime)
+void al_legs_sweep(al_runtime *runtime)
 {
-    al_gl_texture_free(&runtime->memory, &runtime->legs.extinction);
-    al_gl_buffer_free(&runtime->memory, &runtime->legs.constants);
+    al_gl_texture_sweep(&runtime->memory, &runtime->legs.extinction);
+    al_gl_buffer_sweep(&runtime->memory, &runtime->legs.constants);
+    al_gl_texture_sweep(&runtime->memory, &runtime->fogs.depth);
 }

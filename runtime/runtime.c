@@ -40,6 +40,14 @@ al_status al_runtime_create(const al_runtime_options *options, al_runtime **runt
     return AL_OK;
 }
 
+void al_runtime_sweep(al_runtime *runtime)
+{
+    al_shells_sweep(runtime);
+    al_bounce_sweep(runtime);
+    al_legs_sweep(runtime);
+    al_targets_sweep(runtime);
+}
+
 static void unload(al_runtime *runtime)
 {
     al_loader_free(runtime->loader);
@@ -53,21 +61,20 @@ static void unload(al_runtime *runtime)
     al_model_free(runtime);
     al_motion_free(runtime);
     al_fog_free(runtime);
-    al_shells_free(runtime);
-    al_bounce_free(runtime);
-    al_legs_free(runtime);
     al_lightmap_free(runtime);
     al_probes_free(runtime);
     al_gl_texture_free(&runtime->memory, &runtime->environment);
     runtime->environment_levels = 0;
     al_shadow_free(runtime);
     al_surfels_free(runtime);
-    al_targets_free(runtime);
+    runtime->memory.frame++; /* no frame asks for anything */
+    al_runtime_sweep(runtime);
+    memset(runtime->timing.ran, 0, sizeof runtime->timing.ran);
     al_scene_free(&runtime->scene);
     memset(&runtime->scene, 0, sizeof runtime->scene);
     if (runtime->scene_file) al_file_close(runtime->scene_file);
     runtime->scene_file = NULL;
-    runtime->loaded = runtime->ended = runtime->arriving = false;
+    runtime->loaded = runtime->ended = runtime->arriving = runtime->drawn = false;
     runtime->samples_drawn = 0;
 }
 

@@ -185,6 +185,7 @@ al_status al_shadow_draw(al_draw *draw)
     uint32_t layers = fill_lights(draw), edge = map_edge(layers);
     GLuint program;
     if (!layers) {
+        al_shadow_free(runtime);
         glNamedBufferSubData(runtime->frame_block.id, 0, sizeof draw->block, &draw->block);
         return AL_OK;
     }

@@ -10,7 +10,7 @@ static uint32_t mip_count(uint32_t width, uint32_t height)
     return count;
 }
 
-al_status al_span_run(al_draw *draw, const al_shell_block *block, al_gl_texture *span, const char *choice)
+al_status al_span_run(al_draw *draw, al_stage stage, const al_shell_block *block, al_gl_texture *span, const char *choice)
 {
     al_runtime *runtime = draw->runtime;
     al_shells *shells = &runtime->shells;
@@ -24,7 +24,7 @@ al_status al_span_run(al_draw *draw, const al_shell_block *block, al_gl_texture 
         status = al_shaders_get(runtime->shaders, "span.comp", defines, &programs[i], draw->error);
     }
     if (status) return status;
-    al_timing_begin(&runtime->timing, AL_STAGE_SPAN);
+    al_timing_begin(&runtime->timing, stage);
     al_gl_bind_texture(AL_UNIT_PASS, shells->steps.id);
     al_gl_bind_texture(AL_UNIT_PASS + 1, shells->ends.id);
     al_gl_bind_texture(AL_UNIT_PASS + 2, runtime->targets.geometry.id);
@@ -48,7 +48,7 @@ al_status al_shells_draw(al_draw *draw)
     al_shells *shells = &runtime->shells;
     const al_shell_block *block = &shells->block;
     char defines[192], leg[64];
-    GLuint program, before = shells->levels.id;
+    GLuint program;
     al_legs_define(draw, leg);
     snprintf(defines, sizeof defines, "#define AL_LEVELS %d\n%s%s%s", block->counts[0],
              al_interval_map_define(runtime), leg,
@@ -60,8 +60,7 @@ al_status al_shells_draw(al_draw *draw)
         status = al_shaders_get(runtime->shaders, "shell.vert shell.geom shell.frag", defines, &program, draw->error);
     if (status) return status;
     if (!shells->framebuffer) glCreateFramebuffers(1, &shells->framebuffer);
-    if (before != shells->levels.id)
-        glNamedFramebufferTexture(shells->framebuffer, GL_COLOR_ATTACHMENT0, shells->levels.id, 0);
+    glNamedFramebufferTexture(shells->framebuffer, GL_COLOR_ATTACHMENT0, shells->levels.id, 0);
     al_timing_begin(&runtime->timing, AL_STAGE_SHELLS);
     glBindFramebuffer(GL_FRAMEBUFFER, shells->framebuffer);
     glDisable(GL_SCISSOR_TEST);

@@ -109,7 +109,7 @@ typedef struct al_fogs {
 
 /* shaders/shells.glsl */
 typedef struct al_shell_block {
-    int32_t counts[4], size[4];
+    int32_t counts[4], size[4]; /* counts: three, and std140's room */
     float reach[4], medium[4];
     int32_t blur[4];
 } al_shell_block;
@@ -165,7 +165,6 @@ typedef struct al_bounce { /* the bounced z-buffer of one tile */
     al_gl_buffer constants;
     al_gl_texture span, arriving, light; /* from surfaces: their distances' mips; along the rays; samples' sum */
     al_gl_buffer shells;                 /* likewise */
-    bool ran[AL_BOUNCE_EFFECTS];         /* in the last frame */
     GLuint light_framebuffer;            /* of what volumes add up */
 } al_bounce;
 
@@ -319,6 +318,8 @@ struct al_runtime {
     GLuint empty_vertex_array;
     uint32_t frame_number;
     uint64_t samples_drawn;
+    al_settings settings; /* of the last frame, and whether there was one since the load */
+    bool drawn;
     al_plan_row plan[AL_PLAN_LIMIT];
 };
 
@@ -334,6 +335,7 @@ typedef struct al_draw {
     int32_t kept[4];    /* likewise, the part of it that goes to the host */
     bool needs_light;   /* samples are splatted */
     bool needs_shading; /* of opaque surfaces */
+    bool needs_objects; /* translucent ones are in view */
     bool needs_map;     /* the view's transmittance interval map */
     bool needs_surfels; /* surfaces send light into the fog or to others or hide others, or the cloud is shown */
     bool effects[AL_BOUNCE_EFFECTS]; /* seen surfaces get them */
@@ -341,6 +343,9 @@ typedef struct al_draw {
     uint32_t framebuffer, host_depth;
     al_error *error;
 } al_draw;
+
+/* runtime.c: frees the buffers and textures of passes that the frame did without */
+void al_runtime_sweep(al_runtime *runtime);
 
 /* model.c */
 al_status al_model_create(al_runtime *runtime, al_error *error);
@@ -401,7 +406,7 @@ uint64_t al_fog_bytes(const al_runtime *runtime);
 al_status al_shells_prepare(al_draw *draw);
 al_status al_interval_map_run(al_draw *draw);
 const char *al_interval_map_define(const al_runtime *runtime); /* of shaders that read its weights */
-void al_shells_free(al_runtime *runtime);
+void al_shells_sweep(al_runtime *runtime);
 uint64_t al_interval_map_bytes(const al_runtime *runtime);
 uint64_t al_shells_bytes(const al_runtime *runtime); /* what splats onto it and gathers, besides */
 al_status al_shells_draw(al_draw *draw);  /* shell.c: the surfels' shells into the levels */
@@ -421,15 +426,16 @@ void al_bounce_clear(const al_draw *draw, const al_shell_block *block); /* no hi
  * sum of what each triangle hides. Blocks are bound and bounce.span is filled. */
 al_status al_volumes_trace(al_draw *draw, al_stage stage, const al_shell_block *block);
 al_status al_volumes_sum(al_draw *draw, al_stage stage);
-void al_bounce_free(al_runtime *runtime);
+uint64_t al_bounce_bytes(const al_runtime *runtime); /* of the z-buffer, the medium's and surfaces' alike */
+void al_bounce_sweep(al_runtime *runtime);
 /* legs.c: what leg_transmittance needs in this frame, its defines (at most 64 bytes) and its texture. */
 al_status al_legs_run(al_draw *draw);
 void al_legs_define(const al_draw *draw, char defines[64]);
 GLuint al_legs_texture(const al_runtime *runtime);
-void al_legs_free(al_runtime *runtime);
+void al_legs_sweep(al_runtime *runtime); /* fog_depth.c's texture too */
 /* shell.c: by which splats are left out, start and end of the medium on every ray, or the surface's distance with
- * AL_SURFACE as `choice`, and of the nearest and farthest among ever more of them */
-al_status al_span_run(al_draw *draw, const al_shell_block *block, al_gl_texture *span, const char *choice);
+ * AL_SURFACE as `choice`, and of the nearest and farthest among ever more of them; timed as `stage` */
+al_status al_span_run(al_draw *draw, al_stage stage, const al_shell_block *block, al_gl_texture *span, const char *choice);
 al_status al_shells_fit_light(al_draw *draw, uint32_t layers); /* gather.c: what is blurred and summed */
 al_status al_shells_gather_front(al_draw *draw); /* gather.c: what of it comes from before an object, to its fog's light */
 al_status al_shells_inspect(al_draw *draw); /* composite.c */
@@ -482,7 +488,7 @@ double al_surfels_expected(const al_scene *scene, const al_surfel_rule *rule);
 
 /* targets.c: makes the targets fit the tile */
 al_status al_targets_fit(al_draw *draw);
-void al_targets_free(al_runtime *runtime);
+void al_targets_sweep(al_runtime *runtime);
 
 /* surface.c */
 /* Sets the part's material as uniforms 1 to 4 and textures of surface.frag, and answers it. */

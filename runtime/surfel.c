@@ -390,8 +390,7 @@ al_status al_surfels_run(al_draw *draw)
     al_runtime *runtime = draw->runtime;
     al_surfels *s = &runtime->surfels;
     if (!draw->needs_surfels) {
-        for (int i = 0; i < AL_SURFEL_RING; i++) s->ring[i].pending = false;
-        s->drawn = 0;
+        al_surfels_free(runtime);
         return AL_OK;
     }
     al_timing_begin(&runtime->timing, AL_STAGE_SURFELS);

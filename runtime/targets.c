@@ -42,7 +42,7 @@ static al_status fit_object_targets(al_draw *draw)
         if (status) return status;
         attach(&t->back_framebuffer, t->back.id, 0, 0);
     }
-    if (!draw->runtime->scene.fog_count) return AL_OK;
+    if (!draw->runtime->fogs.drawn) return AL_OK;
     status = fit(draw, GL_TEXTURE_2D, GL_RGBA32F, 1, &t->fog_light);
     if (!status) status = fit(draw, GL_TEXTURE_2D, GL_RGBA16F, 1, &t->fog_kept);
     if (status) return status;
@@ -80,22 +80,25 @@ al_status al_targets_fit(al_draw *draw)
         if (status) return status;
         attach(&t->host_framebuffer, t->host.id, 0, 0);
     }
-    return draw->runtime->scene.translucent_count ? fit_object_targets(draw) : AL_OK;
+    return draw->needs_objects ? fit_object_targets(draw) : AL_OK;
 }
 
-void al_targets_free(al_runtime *runtime)
+void al_targets_sweep(al_runtime *runtime)
 {
     al_targets *t = &runtime->targets;
     al_gl_texture *const textures[] = {&t->radiance,   &t->geometry,  &t->depth,    &t->boundary,
                                        &t->reflection, &t->ends,      &t->knots,    &t->light,
                                        &t->host,       &t->fog_light, &t->fog_kept, &t->back,
                                        &t->material};
-    GLuint *const framebuffers[] = {&t->scene_framebuffer, &t->radiance_framebuffer, &t->boundary_framebuffer,
-                                    &t->light_framebuffer, &t->host_framebuffer,     &t->fog_framebuffer,
-                                    &t->back_framebuffer,  &t->material_framebuffer};
+    const struct {
+        GLuint *framebuffer;
+        const al_gl_texture *first;
+    } framebuffers[] = {{&t->scene_framebuffer, &t->radiance},    {&t->radiance_framebuffer, &t->radiance},
+                        {&t->material_framebuffer, &t->material}, {&t->boundary_framebuffer, &t->reflection},
+                        {&t->back_framebuffer, &t->back},         {&t->light_framebuffer, &t->light},
+                        {&t->host_framebuffer, &t->host},         {&t->fog_framebuffer, &t->fog_light}};
     for (size_t i = 0; i < sizeof textures / sizeof textures[0]; i++)
-        al_gl_texture_free(&runtime->memory, textures[i]);
+        al_gl_texture_sweep(&runtime->memory, textures[i]);
     for (size_t i = 0; i < sizeof framebuffers / sizeof framebuffers[0]; i++)
-        if (*framebuffers[i]) glDeleteFramebuffers(1, framebuffers[i]);
-    memset(t, 0, sizeof *t);
+        al_gl_framebuffer_sweep(framebuffers[i].framebuffer, framebuffers[i].first);
 }

@@ -45,6 +45,7 @@ void al_timing_collect(al_timing *timing)
 void al_timing_begin_frame(al_timing *timing)
 {
     al_timing_collect(timing);
+    memset(timing->ran, 0, sizeof timing->ran);
     timing->current = (timing->current + 1) % AL_TIMING_RING;
     timing->active = !timing->ring[timing->current].pending;
     if (timing->active) timing->ring[timing->current].count = 0;
@@ -70,6 +71,7 @@ void al_timing_begin(al_timing *timing, al_stage stage)
 {
     al_timing_frame *frame = &timing->ring[timing->current];
     const char *name = al_stage_name(stage);
+    timing->ran[stage] = true;
     glPushDebugGroup(GL_DEBUG_SOURCE_APPLICATION, (GLuint)stage, -1, name);
     if (timing->active && frame->count == AL_TIMING_QUERIES) timing->active = false; /* too many: not timed */
     if (timing->active) frame->stages[frame->count / 2] = (uint8_t)stage;

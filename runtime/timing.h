@@ -58,6 +58,7 @@ typedef struct al_timing {
                                     * queue, whose time would be nobody's; frames take longer */
     double ms[AL_STAGE_COUNT];     /* of the last frame that came back */
     uint32_t runs[AL_STAGE_COUNT]; /* how often each stage ran in it */
+    bool ran[AL_STAGE_COUNT];      /* in the last frame, back or not */
 } al_timing;
 
 const char *al_stage_name(al_stage stage);

@@ -11,7 +11,7 @@
 #include "hash.glsl"
 
 layout(std140, binding = 3) uniform Shells {
-    ivec4 shell_counts; // levels; samples on a ray; seed of the frame; w unused
+    ivec3 shell_counts; // levels; samples on a ray; seed of the frame
     ivec4 shell_size;   // xy: size of a level; zw: of the tile
     vec4 shell_reach;   // x: epsilon in W/(m2 sr); y: radius of the innermost shell in m, 0: by epsilon;
                         // z: the phase functions' maximum in 1/sr; w: 1 when the outermost shell is open

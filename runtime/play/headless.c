@@ -245,13 +245,21 @@ static al_status render_and_watch(session *s, al_error *error)
     return status == AL_CANCELLED ? AL_OK : status;
 }
 
-static void print_plan(al_runtime *runtime)
+/* Of a frame that is drawn and shown to nobody: what passes run follows from the options, the view and the scene. */
+static al_status print_plan(session *s, al_error *error)
 {
     uint32_t count = 0;
-    const al_plan_row *rows = al_runtime_plan(runtime, &count);
+    s->frame = 0;
+    al_progress_begin(&s->progress, s->program, "plan");
+    al_status status = show_frame_time(s, error);
+    if (!status) status = draw(s, error);
+    if (status) return status;
+    al_progress_end(&s->progress);
+    const al_plan_row *rows = al_runtime_plan(s->runtime, &count);
     for (uint32_t i = 0; i < count; i++)
         printf("%-24s %-4s %10llu bytes  %s\n", rows[i].step, rows[i].needed ? "yes" : "no",
                (unsigned long long)rows[i].bytes, rows[i].why);
+    return AL_OK;
 }
 
 static al_status run(session *s, al_error *error)
@@ -268,7 +276,7 @@ static al_status run(session *s, al_error *error)
     if (!status) status = al_target_create(s->stats.width, s->stats.height, &s->target, error);
     if (!status) status = load(s, error);
     if (status) return status;
-    if (options->plan) return print_plan(s->runtime), AL_OK;
+    if (options->plan) return print_plan(s, error);
     return options->watch ? render_and_watch(s, error) : render(s, error);
 }
 

@@ -288,7 +288,8 @@ static bool was_timed(al_runtime *runtime, const char *name)
     return false;
 }
 
-/* Without fog there is no pass, no row that asks for one and not a byte; switched off, no pass. */
+/* Without fog there is no pass, no row that asks for one and not a byte; switched off, no pass, and no byte but what was
+ * loaded. */
 static void test_plan(void)
 {
     static double image[EDGE * EDGE * 3];
@@ -319,8 +320,7 @@ static void test_plan(void)
         bytes[pass] = al_runtime_memory(runtime);
         uint64_t sum = row.bytes;
         for (int i = 0; i < 3; i++) {
-            CHECK(find_row(runtime, of_surfaces[i], &row) && row.needed == (pass == 1) && (row.bytes > 0) == row.needed);
-            sum += row.bytes;
+            CHECK(find_row(runtime, of_surfaces[i], &row) && !row.needed && row.bytes == 0);
         }
         if (pass) CHECK(bytes[1] - bytes[0] == sum);
         al_runtime_destroy(runtime);

@@ -134,11 +134,11 @@ static void test_plan(const char *folder)
         CHECK(rows[i].bytes == 0 && rows[i].seconds == 0);
         const char *step = rows[i].step;
         CHECK(!strcmp(step, "skin") || !strcmp(step, "surfels") || !strcmp(step, "interval-map") ||
-              !strcmp(step, "surface-scattering") || !strcmp(step, "sky light") || !strcmp(step, "shadow") ||
+              !strcmp(step, "surface-scattering") || !strcmp(step, "visibility") || !strcmp(step, "sky light") || !strcmp(step, "shadow") ||
               !strcmp(step, "environment") || !strcmp(step, "lightmap") || !strcmp(step, "probes") ||
               !strcmp(step, "direct-scattering") || !strcmp(step, "ambient-occlusion") || !strcmp(step, "indirect"));
     }
-    CHECK(unneeded == 12);
+    CHECK(unneeded == 13);
     uint32_t stages = al_runtime_times(runtime, times, 16);
     CHECK(stages >= 4);
     for (uint32_t i = 0; i < stages; i++) CHECK(times[i].ms >= 0 && times[i].ms < 60000);

@@ -216,7 +216,8 @@ typedef struct al_plan_row {
     double seconds; /* per frame, as last measured; 0 before the first frame */
     uint64_t bytes;
 } al_plan_row;
-/* What this scene makes the runtime run, and what not, and why. Valid until the next load. */
+/* What the last frame ran of what the scene may make the runtime run, and what not, why, and what each step holds, needed
+ * or not: what is loaded stays. Before the first frame nothing has run. Valid until the next load. */
 const al_plan_row *al_runtime_plan(al_runtime *runtime, uint32_t *count);
 
 #ifdef __cplusplus
