@@ -88,6 +88,13 @@ static int check(const al_program *program, al_play_options *options)
                                options->first_picture || options->frames || options->fps > 0))
         return refuse(program,
                       "--out, --stats, --frames, --fps, --accumulate and --first-picture need --headless");
+    if (options->plan && (options->out.count || options->stats || options->watch))
+        return refuse(program, "--plan writes no files and ends; leave out --out, --stats and --watch");
+    const al_settings *s = &options->settings;
+    if (s->occlusion_carrier == AL_CARRIER_VOLUMES_BLENDED && !s->visibility && !s->indirect &&
+        (s->pass == AL_PASS_BOUNCE_RAYS || s->pass == AL_PASS_BOUNCE_HITS))
+        return refuse(program, "--occlusion-carrier volumes-blended sends no rays that --pass %s could show; take another one",
+                      al_pass_name(s->pass));
     if (!options->frames) options->frames = 1;
     if (!(options->fps > 0)) options->fps = 60;
     for (int i = 0; i < options->out.count; i++) {
@@ -174,7 +181,7 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
         {"--camera", "NAME", AL_OPTION_STRING, &options->camera, "a camera of the scene (its first)", 0, 0},
         {"--exposure", "EV", AL_OPTION_REAL, &options->exposure_ev,
          "brightness 2^EV of windows and PNG (the scene's)", -60, 60},
-        {"--pass", "NAME", AL_OPTION_STRING, &raw.pass, "show one intermediate buffer (composite)", 0, 0},
+        {"--pass", "NAME", AL_OPTION_STRING, &raw.pass, "show one intermediate buffer; a wrong NAME lists them (composite)", 0, 0},
         {"--plan", NULL, AL_OPTION_FLAG, &options->plan,
          "only say which passes a frame with the other options runs, why, and the bytes held", 0, 0},
         {"--watch", NULL, AL_OPTION_FLAG, &options->watch, "load what was baked anew", 0, 0},

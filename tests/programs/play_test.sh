@@ -107,12 +107,37 @@ run 0 "$bin/airlight-play" "$work/baked" --plan
 grep -Eq ' (yes|no) ' "$work/stdout" || wrong "--plan says: $(cat "$work/stdout")"
 full_output "$bin/airlight-play" "$work/baked" --plan
 
+# says_plan WORD ROW OPTION...: the plan of a frame with these options says yes or no to the row.
+says_plan() {
+    word=$1 row=$2
+    shift 2
+    run 0 "$bin/airlight-play" "$work/baked" --size 16x16 --plan "$@"
+    grep -Eq "^$row +$word " "$work/stdout" || wrong "--plan $* says of $row: $(grep "^$row " "$work/stdout")"
+}
+says_plan yes shadow
+says_plan no shadow --no-shadows
+says_plan yes splat
+says_plan no splat --pass surfels
+says_plan no ambient-occlusion
+says_plan yes ambient-occlusion --pass ambient-occlusion
+says_plan yes surfels --pass ambient-occlusion
+says_plan no surfels --pass ambient-occlusion --occlusion-carrier screen
+says_plan no indirect
+says_plan yes indirect --indirect
+says_plan no visibility --visibility # of a scene without fog
+
 # Wrong usage.
 fails 2 "--headless needs" "$bin/airlight-play" --headless
 for option in --out=b.exr --stats=s.json --frames=1 --fps=60 --accumulate --first-picture; do
     fails 2 "need --headless" "$bin/airlight-play" "$work/baked" $option
 done
 fails 2 "--pass takes one of composite" play --pass nonsense
+for option in --out=b.exr --stats=s.json --watch; do
+    fails 2 "--plan writes no files" "$bin/airlight-play" "$work/baked" --plan $option
+done
+for pass in bounce-rays bounce-hits; do
+    fails 2 "sends no rays that --pass $pass" play --pass $pass --occlusion-carrier volumes-blended
+done
 fails 2 "--view-leg takes marched or sh" play --view-leg nonsense
 fails 2 "--scattered takes on or off" play --scattered maybe
 fails 2 "--second-leg takes marched, baked or none" play --second-leg nonsense
