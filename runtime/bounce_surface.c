@@ -208,6 +208,7 @@ al_status al_bounce_surface(al_draw *draw, al_bounce_effect effect)
         glNamedBufferSubData(bounce->constants.id, 0, sizeof block, &block);
         status = take_sample(draw, effect, &shells);
     }
+    if (!status) status = al_history_run(draw, effect);
     return status ? status : add(draw, effect);
 }
 

@@ -56,6 +56,8 @@ static al_status check(const al_view *view, const al_settings *settings, al_erro
         return al_fail(error, AL_USAGE, "settings: occlusion carrier %u, screen march of %u steps, thickness %g m; use 0 to "
                        "%d, at most 1024 and 1e-6 to 1e6, or 0", (unsigned)settings->occlusion_carrier,
                        settings->screen_steps, (double)settings->screen_thickness_m, AL_CARRIER_COUNT - 1);
+    if (settings->temporal > 1024)
+        return al_fail(error, AL_USAGE, "settings: history of %u frames; use at most 1024, or 0 for none", settings->temporal);
     if ((unsigned)settings->interval_weights >= AL_INTERVAL_WEIGHTS_COUNT)
         return al_fail(error, AL_USAGE, "settings: no such interval weights");
     if ((unsigned)settings->second_leg >= AL_SECOND_LEG_COUNT)
@@ -386,7 +388,10 @@ static al_status draw_frame(al_draw *draw)
     for (uint32_t i = 0; i < runtime->scene.translucent_count && !status; i++)
         if (runtime->objects[i].present && runtime->objects[i].rectangle[2])
             status = al_light_run(draw, &runtime->objects[i]);
-    return status ? status : draw_tiles(draw);
+    if (!status) status = al_history_begin(draw);
+    if (!status) status = draw_tiles(draw);
+    if (!status) al_history_end(draw);
+    return status;
 }
 
 al_status al_runtime_draw(al_runtime *runtime, const al_view *view, const al_settings *settings,

@@ -16,6 +16,7 @@ static uint32_t texel_size(GLenum format)
     case GL_RGB16F:
         return 6;
     case GL_RG32F:
+    case GL_RG32UI:
     case GL_RGBA16F:
         return 8;
     default:

@@ -79,6 +79,12 @@ static void add_effects(al_runtime *runtime, uint32_t *count, uint64_t shared)
         : !scene->light_count && !runtime->model.has_emission ? "no light and no emission"
                                                                : left_out(runtime, "on request"),
         effect_stages[AL_BOUNCE_INDIRECT], occlusion ? 0 : shared);
+    bool history = ran(runtime, STAGE(OCCLUSION_HISTORY) | STAGE(INDIRECT_HISTORY));
+    add(runtime, count, "temporal", history,
+        history                 ? "asked for; light between surfaces is averaged over frames"
+        : occlusion || indirect ? "on request"
+                                : "no light between surfaces is drawn at random",
+        STAGE(OCCLUSION_HISTORY) | STAGE(INDIRECT_HISTORY), al_history_bytes(runtime));
 }
 
 /* Light of surfaces in the fog, and the surfels that send it, there and to other surfaces. */

@@ -61,6 +61,7 @@ static void unload(al_runtime *runtime)
     al_model_free(runtime);
     al_motion_free(runtime);
     al_fog_free(runtime);
+    al_history_free(runtime);
     al_lightmap_free(runtime);
     al_probes_free(runtime);
     al_gl_texture_free(&runtime->memory, &runtime->environment);

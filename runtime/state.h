@@ -168,6 +168,21 @@ typedef struct al_bounce { /* the bounced z-buffer of one tile */
     GLuint light_framebuffer;            /* of what volumes add up */
 } al_bounce;
 
+/* shaders/history.glsl */
+typedef struct al_history_block {
+    float view_projection[16], ray[6][4]; /* of the frame before */
+    int32_t kept[4], rule[4];
+} al_history_block;
+_Static_assert(sizeof(al_history_block) == 192, "std140");
+
+typedef struct al_history { /* of the whole view; pairs: of the frame being drawn, [now], and of the one before */
+    al_gl_texture light[AL_BOUNCE_EFFECTS][2], places[2];
+    al_gl_buffer constants;
+    al_history_block block;
+    uint32_t now, next_frame[AL_BOUNCE_EFFECTS]; /* number of the frame that it is the history of, 0: of none */
+    bool runs;                                   /* in the last frame */
+} al_history;
+
 typedef struct al_light_page { /* of the lightmap */
     al_gl_texture texels; /* array: surface, attenuated, scattered; then the SH of each, if there are any */
     float scale[AL_LAYER_COUNT], sh_scale[AL_LAYER_COUNT];
@@ -307,6 +322,7 @@ struct al_runtime {
     al_fogs fogs;
     al_shells shells;
     al_bounce bounce;
+    al_history history;
     al_legs legs;
     al_lightmap lightmap;
     al_probe_lights probes;
@@ -428,6 +444,13 @@ al_status al_volumes_trace(al_draw *draw, al_stage stage, const al_shell_block *
 al_status al_volumes_sum(al_draw *draw, al_stage stage);
 uint64_t al_bounce_bytes(const al_runtime *runtime); /* of the z-buffer, the medium's and surfaces' alike */
 void al_bounce_sweep(al_runtime *runtime);
+/* history.c: once a frame before and after its tiles (only of a frame that is whole); for each effect of a tile, the mean of
+ * bounce.light and its history takes its place */
+al_status al_history_begin(al_draw *draw);
+al_status al_history_run(al_draw *draw, al_bounce_effect effect);
+void al_history_end(al_draw *draw);
+uint64_t al_history_bytes(const al_runtime *runtime);
+void al_history_free(al_runtime *runtime);
 /* legs.c: what leg_transmittance needs in this frame, its defines (at most 64 bytes) and its texture. */
 al_status al_legs_run(al_draw *draw);
 void al_legs_define(const al_draw *draw, char defines[64]);

@@ -8,8 +8,8 @@ const char *al_stage_name(al_stage stage)
         "skin",          "shadow",         "surfels",           "surfel light",     "light",
         "surface",       "direct-scattering", "interval-map",   "span",             "legs",
         "shells",        "bounce-rays",    "bounce",            "bounce-light",     "occlusion-rays",
-        "occlusion-hits", "occlusion-arrive", "occlusion-filter", "indirect-rays",  "indirect-hits",
-        "indirect-arrive", "indirect-filter", "unshuffle",      "blur",             "gather",
+        "occlusion-hits", "occlusion-arrive", "occlusion-filter", "occlusion-history", "indirect-rays",
+        "indirect-hits", "indirect-arrive", "indirect-filter", "indirect-history", "unshuffle",      "blur",             "gather",
         "intervals",     "splat",          "composite"};
     return names[stage];
 }

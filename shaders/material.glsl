@@ -11,20 +11,29 @@ vec2 signs(vec2 v)
     return vec2(v.x < 0.0 ? -1.0 : 1.0, v.y < 0.0 ? -1.0 : 1.0);
 }
 
+uint pack_normal(vec3 normal)
+{
+    vec3 n = normal / (abs(normal.x) + abs(normal.y) + abs(normal.z));
+    return packSnorm2x16(n.z < 0.0 ? (1.0 - abs(n.yx)) * signs(n.xy) : n.xy);
+}
+
+vec3 unpack_normal(uint packed_normal)
+{
+    vec2 v = unpackSnorm2x16(packed_normal);
+    vec3 n = vec3(v, 1.0 - abs(v.x) - abs(v.y));
+    if (n.z < 0.0) n.xy = (1.0 - abs(v.yx)) * signs(v);
+    return normalize(n);
+}
+
 uvec4 pack_material(vec3 color, float metallic, float roughness, float reflectance, vec3 face)
 {
-    vec3 n = face / (abs(face.x) + abs(face.y) + abs(face.z));
-    vec2 flat_normal = n.z < 0.0 ? (1.0 - abs(n.yx)) * signs(n.xy) : n.xy;
     return uvec4(packHalf2x16(color.rg), packHalf2x16(vec2(color.b, metallic)),
-                 packHalf2x16(vec2(roughness, reflectance)), packSnorm2x16(flat_normal));
+                 packHalf2x16(vec2(roughness, reflectance)), pack_normal(face));
 }
 
 vec3 unpack_face(uvec4 material)
 {
-    vec2 v = unpackSnorm2x16(material.w);
-    vec3 n = vec3(v, 1.0 - abs(v.x) - abs(v.y));
-    if (n.z < 0.0) n.xy = (1.0 - abs(v.yx)) * signs(v);
-    return normalize(n);
+    return unpack_normal(material.w);
 }
 
 // With the normal and the direction to the eye that are not in it; its place is left 0.

@@ -11,12 +11,12 @@
 typedef struct raw_options {
     const char *pass, *view_leg, *second_leg, *scattered, *interval_weights, *occlusion_carrier;
     int samples, sh_order, intervals, fog_steps, shell_levels, shown_level, second_leg_steps, blur, bounce_samples, surfel_limit,
-        bounce_filter, screen_steps;
+        bounce_filter, screen_steps, temporal;
     double march_step, shell_epsilon, shell_radius, surfel_size, surfel_margin, bounce_radius, bounce_overlap, occlusion_radius,
         screen_thickness;
     bool surfels_plain, no_surface, no_background, no_clip, no_normalise, no_shadows, no_lod, no_fog, no_surface_scattering,
         shells_closed, shells_clamped, no_second_leg, blur_plain, visibility, bounce_near_off, occlusion_uniform,
-        indirect, lambert_senders, ambient_occlusion;
+        indirect, lambert_senders, ambient_occlusion, temporal_undoubted;
 } raw_options;
 
 static int refuse(const al_program *program, const char *format, ...) AL_PRINTF(2, 3);
@@ -147,6 +147,8 @@ static int apply(const al_program *program, const raw_options *raw, al_play_opti
     s->occlusion_uniform = raw->occlusion_uniform;
     s->screen_steps = (uint32_t)raw->screen_steps;
     s->screen_thickness_m = (float)raw->screen_thickness;
+    s->temporal = (uint32_t)raw->temporal;
+    s->temporal_undoubted = raw->temporal_undoubted;
     s->blur_off = raw->blur == 0;
     s->blur_mips = raw->blur > 0 ? (uint32_t)raw->blur : 0;
     s->blur_plain = raw->blur_plain;
@@ -241,6 +243,10 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
         {"--bounce-near-off", NULL, AL_OPTION_FLAG, &raw.bounce_near_off, "they throw near fragments away", 0, 0},
         {"--bounce-filter", "N", AL_OPTION_INT, &raw.bounce_filter,
          "pixels to each side whose rays a surface takes too, 0: none (2)", 0, 16},
+        {"--temporal", "N", AL_OPTION_INT, &raw.temporal,
+         "frames that earlier light on surfaces may weigh as much as (0: none)", 0, 1024},
+        {"--temporal-undoubted", NULL, AL_OPTION_FLAG, &raw.temporal_undoubted,
+         "also where light has changed: it ghosts, for comparison", 0, 0},
         {"--occlusion-radius", "M", AL_OPTION_REAL, &raw.occlusion_radius, "farther surfaces do not occlude, m (no limit)",
          1e-6, 1e6},
         {"--occlusion-carrier", "KIND", AL_OPTION_STRING, &raw.occlusion_carrier,

@@ -238,6 +238,8 @@ static void show_surfaces(al_settings *s)
         s->bounce_filter = (uint32_t)filter;
     }
     ImGui::Checkbox("even directions", &s->occlusion_uniform);
+    int temporal = (int)s->temporal;
+    if (ImGui::SliderInt("frames of history", &temporal, 0, 64)) s->temporal = (uint32_t)temporal;
 }
 
 static void show_times(const al_panel_state *state)

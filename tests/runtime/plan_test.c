@@ -25,6 +25,7 @@ static const struct {
     {"visibility", " bounce-rays bounce bounce-light "},
     {"ambient-occlusion", " occlusion-rays occlusion-hits occlusion-arrive occlusion-filter "},
     {"indirect", " indirect-rays indirect-hits indirect-arrive indirect-filter "},
+    {"temporal", " occlusion-history indirect-history "},
     {"intervals", " intervals "},
     {"splat", " splat "},
     {"composite", " composite "},

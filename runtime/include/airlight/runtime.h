@@ -167,6 +167,10 @@ typedef struct al_settings {
     bool occlusion_uniform;      /* its directions are drawn evenly, as published, not by the cosine */
     bool bounce_filter_off;      /* a pixel takes its own rays alone, from surfaces */
     uint32_t bounce_filter;      /* pixels to each side whose rays it takes too, 0: 2; 1 to 16 */
+    /* Of light and occlusion on surfaces, the mean over frames, as far back as places have stayed in view and light has not
+     * changed. The frame before is the last al_runtime_draw; a frame of another size begins anew. */
+    uint32_t temporal;       /* frames that what is past may weigh as much as, 0: none; at most 1024 */
+    bool temporal_undoubted; /* also where the light has changed: ghosts, for comparison */
     al_interval_weights interval_weights;
     bool interval_jitter_off; /* nothing is drawn at random on the rays */
     bool blur_off;
