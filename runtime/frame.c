@@ -8,7 +8,7 @@
 
 static bool in_range(double value, double low, double high)
 {
-    return value >= low && value <= high; /* false for NaN */
+    return value >= (float)low && value <= (float)high; /* bounds as settings hold them; false for NaN */
 }
 
 static al_status check(const al_view *view, const al_settings *settings, al_error *error)

@@ -126,6 +126,10 @@ says_plan no indirect
 says_plan yes indirect --indirect
 says_plan no visibility --visibility # of a scene without fog
 
+# The least that options of real numbers take, as floats hold it.
+run 0 play --shell-epsilon 1e-12 --shell-radius 1e-6 --bounce-radius 1e-6 --occlusion-radius 1e-6 --screen-thickness 1e-6 \
+    --surfel-margin 1e-6 --surfel-size 0.1
+
 # Wrong usage.
 fails 2 "--headless needs" "$bin/airlight-play" --headless
 for option in --out=b.exr --stats=s.json --frames=1 --fps=60 --accumulate --first-picture; do
