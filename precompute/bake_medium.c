@@ -60,6 +60,8 @@ al_status al_bake_medium_key(const al_import *import, uint32_t fog, uint64_t *ke
         XXH64_update(state, &depth_version, sizeof depth_version);
         XXH64_update(state, &description_of(import, fog)->optical_depth_order, sizeof(uint32_t));
     }
+    bool refuses = al_fog_varies(import, fog) && al_fog_skin_refuses(import);
+    XXH64_update(state, &refuses, sizeof refuses); /* what was baked all the same is not good enough then */
     al_status status = AL_OK;
     if (!al_sky_light_missing(import, fog)) {
         uint64_t light;

@@ -93,7 +93,7 @@ al_status al_bake_object_key(const al_import *import, uint32_t index, uint64_t *
     if (status == AL_OK) {
         uint32_t settings[] = {bake_version, s->directions, s->grid_resolution,
                                s->samples,   s->sh_order,   s->coefficient_format,
-                               s->seed};
+                               s->seed,      s->too_dense};
         XXH64_reset(state, 0);
         XXH64_update(state, settings, sizeof settings);
         XXH64_update(state, &s->radius_m, sizeof s->radius_m);

@@ -45,6 +45,11 @@ static bool has_surfaces(const al_scene *scene)
     return false;
 }
 
+bool al_fog_skin_refuses(const al_import *import)
+{
+    return has_surfaces(&import->scene) && import->description->bake.too_dense == AL_TOO_DENSE_REFUSE;
+}
+
 void al_fog_skin_watch(const al_import *import, uint32_t fog, const al_bake_options *options, al_medium_data *data,
                        al_fog_skin *skin)
 {
@@ -58,7 +63,7 @@ void al_fog_skin_watch(const al_import *import, uint32_t fog, const al_bake_opti
     }
     *skin = (al_fog_skin){.medium = &import->description->media[import->scene.fogs[fog].medium],
                           .program = options->program,
-                          .refuses = import->description->bake.too_dense == AL_TOO_DENSE_REFUSE,
+                          .refuses = al_fog_skin_refuses(import),
                           .inner = *data,
                           .depth = sigma_t * cbrt(fabs(volume))};
     data->slice = watched_slice;

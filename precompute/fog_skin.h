@@ -5,6 +5,9 @@
 #include "airlight/medium.h"
 #include "bake_step.h"
 
+/* Whether the scene refuses a fog whose grid does not: it has surfaces, and does not ask for it all the same. */
+bool al_fog_skin_refuses(const al_import *import);
+
 typedef struct al_fog_skin {
     const al_medium_description *medium;
     const al_program *program;

@@ -1,7 +1,8 @@
 #!/bin/sh
 # How far light of surfaces in smoke is off over the player's knobs: draws docs/images/cornell_smoke.png and
-# cornell_smoke_curves.svg, and writes one table, FOLDER/scattering.csv: knob, value, frames, relative RMSE (the truth's noise taken out), FLIP (clamped sRGB),
-# sum over truth, relative RMSE against the truth in which walls hide nothing between surface and smoke, surfels.
+# cornell_smoke_curves.svg, and writes one table, FOLDER/scattering.csv: knob, value, frames, relative RMSE (the truth's noise
+# taken out), FLIP (clamped sRGB), sum over truth, relative RMSE against the truth in which walls hide nothing between surface
+# and smoke, surfels.
 # usage: scripts/scattering_figures.sh [FOLDER [SAMPLES_PER_PIXEL]] (default out/scattering and 8: each carries 32 paths)
 # Pictures and truth stay in FOLDER and are not made again: an empty one makes all. AIRLIGHT_SHARED names the folder of
 # scenes (default ../shared).
