@@ -185,7 +185,6 @@ void al_bounce_sweep(al_runtime *runtime)
     al_gl_buffer_sweep(&runtime->memory, &bounce->constants);
     al_gl_buffer_sweep(&runtime->memory, &bounce->shells);
     al_gl_framebuffer_sweep(&bounce->framebuffer, &bounce->hits);
-    al_gl_framebuffer_sweep(&bounce->light_framebuffer, &bounce->light);
 }
 
 uint64_t al_bounce_bytes(const al_runtime *runtime)

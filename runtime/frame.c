@@ -357,6 +357,14 @@ static al_status check_shown(const al_draw *draw)
                    settings->shown_level, shown_limit(draw));
 }
 
+/* What the host has drawn, depth and all, stays. */
+static void clear(const al_draw *draw)
+{
+    static const float black[4] = {0, 0, 0, 1};
+    glDisable(GL_SCISSOR_TEST);
+    if (!draw->host_depth) glClearNamedFramebufferfv(draw->framebuffer, GL_COLOR, 0, black);
+}
+
 static al_status draw_frame(al_draw *draw)
 {
     al_runtime *runtime = draw->runtime;
@@ -383,6 +391,7 @@ static al_status draw_frame(al_draw *draw)
     if (shows_level(pass)) draw->settings.visibility = false;
     status = al_shadow_draw(draw);
     if (!status) status = check_shown(draw);
+    if (!status) clear(draw);
     if (!status) status = al_surfels_run(draw);
     if (!status && draw->needs_map) status = al_shells_prepare(draw);
     for (uint32_t i = 0; i < runtime->scene.translucent_count && !status; i++)
@@ -397,7 +406,6 @@ static al_status draw_frame(al_draw *draw)
 al_status al_runtime_draw(al_runtime *runtime, const al_view *view, const al_settings *settings,
                           uint32_t framebuffer, uint32_t depth_texture, al_error *error)
 {
-    static const float black[4] = {0, 0, 0, 1};
     al_draw draw = {.runtime = runtime,
                     .view = view,
                     .framebuffer = framebuffer,
@@ -426,8 +434,9 @@ al_status al_runtime_draw(al_runtime *runtime, const al_view *view, const al_set
     glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read_from);
     glGetIntegerv(GL_VIEWPORT, viewport);
     al_gl_reset_state();
-    if (!depth_texture) glClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, black);
-    if (runtime->loaded) {
+    if (!runtime->loaded) {
+        clear(&draw);
+    } else {
         runtime->settings = draw.settings;
         runtime->drawn = true;
         runtime->memory.frame++;

@@ -165,7 +165,6 @@ typedef struct al_bounce { /* the bounced z-buffer of one tile */
     al_gl_buffer constants;
     al_gl_texture span, arriving, light; /* from surfaces: their distances' mips; along the rays; samples' sum */
     al_gl_buffer shells;                 /* likewise */
-    GLuint light_framebuffer;            /* of what volumes add up */
 } al_bounce;
 
 /* shaders/history.glsl */

@@ -62,15 +62,15 @@ al_status al_volumes_sum(al_draw *draw, al_stage stage)
     static const float nothing[4] = {0};
     al_runtime *runtime = draw->runtime;
     al_bounce *bounce = &runtime->bounce;
-    GLuint program;
+    GLuint program, framebuffer;
     al_status status = al_shaders_get(runtime->shaders, "volume.vert volume.geom volume_sum.frag", "", &program, draw->error);
     if (status) return status;
     al_timing_begin(&runtime->timing, stage);
-    if (!bounce->light_framebuffer) glCreateFramebuffers(1, &bounce->light_framebuffer);
-    glNamedFramebufferTexture(bounce->light_framebuffer, GL_COLOR_ATTACHMENT0, bounce->light.id, 0);
-    glBindFramebuffer(GL_FRAMEBUFFER, bounce->light_framebuffer);
+    glCreateFramebuffers(1, &framebuffer); /* kept, it would keep its texture once that is replaced */
+    glNamedFramebufferTexture(framebuffer, GL_COLOR_ATTACHMENT0, bounce->light.id, 0);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     glDisable(GL_SCISSOR_TEST);
-    glClearNamedFramebufferfv(bounce->light_framebuffer, GL_COLOR, 0, nothing);
+    glClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, nothing);
     glUseProgram(program);
     al_gl_bind_texture(AL_UNIT_PASS + 1, runtime->targets.geometry.id);
     al_gl_bind_texture(AL_UNIT_PASS + 3, bounce->span.id);
@@ -79,6 +79,7 @@ al_status al_volumes_sum(al_draw *draw, al_stage stage)
     draw_volumes(draw);
     glDisable(GL_BLEND);
     glBlendFunc(GL_ONE, GL_ZERO);
+    glDeleteFramebuffers(1, &framebuffer);
     al_timing_end(&runtime->timing);
     return AL_OK;
 }
