@@ -3,6 +3,7 @@
  * Furnace: inside a box that sends 1 everywhere each surface sends the albedo it has for its view: Lambert's base colour, or
  * the lobe's, the integral of BRDF times cosine, here by microfacets drawn as Heitz (2018) does, not as the shader draws
  * them. A share exp(-3) of the rays at most passes between discs of three times the walls' area.
+ * Mapped normals: of that light, what comes from before the wall; mirrors show what the mapped normal turns them to.
  * Two plates: the floor sends 1, a small plate over its middle gets its form factor (Howell, configuration B-4: a
  * differential area parallel to a rectangle's corner).
  * Glossy senders in fog: a lamp, a metal wall, a metal floor, the eye, by quadrature over the wall.
@@ -85,6 +86,11 @@ static float *draw(al_runtime *runtime, const al_view *view, const al_settings *
 }
 
 /* --- furnace --- */
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 static double fresnel(double f0, double cosine)
 {
@@ -169,6 +175,193 @@ static void test_furnace(const char *folder)
     al_runtime_destroy(runtime);
 }
 
+/* --- mapped normals --- */
+
+/* Of a square whose normal is turned by `degrees` towards its first axis. */
+typedef struct bent_map {
+    uint8_t texel[4];
+    float uv[8];
+    al_texture texture;
+} bent_map;
+
+static void set_map(sphere_scene *s, bent_map *map, double degrees)
+{
+    static const float uv[8] = {0, 0, 0, 1, 1, 1, 1, 0};
+    const double turn = degrees * AL_PI / 180, normal[4] = {sin(turn), 0, cos(turn), 1};
+    for (int k = 0; k < 4; k++) map->texel[k] = (uint8_t)lround(127.5 + 127.5 * normal[k]);
+    memcpy(map->uv, uv, sizeof uv);
+    map->texture = (al_texture){"bent", 1, 1, false, map->texel};
+    s->meshes[1].uv0 = map->uv;
+    s->scene.textures = &map->texture;
+    s->scene.texture_count = 1;
+    s->materials[1].normal_texture = 0;
+}
+
+/* The axis a wall faces, as its mapped normal is turned from it by 30 degrees. */
+static void face_of(const float normal[4], double face[3])
+{
+    int axis = 0;
+    for (int k = 1; k < 3; k++)
+        if (fabsf(normal[k]) > fabsf(normal[axis])) axis = k;
+    for (int k = 0; k < 3; k++) face[k] = k == axis ? copysign(1, (double)normal[k]) : 0;
+}
+
+/* Of light from the side of `face` alone, as albedo() of `normal` for light from everywhere; of metal or Lambert's. */
+static double albedo_above(const double normal[3], const double face[3], const double view[3], double color, bool metal,
+                           double roughness)
+{
+    enum { FEWER = 24 };
+    double alpha = fmax(roughness * roughness, 1e-3), x[3] = {0}, y[3], sum = 0, v[3];
+    x[fabs(normal[0]) < 0.6 ? 0 : 1] = 1;
+    double along = dot(x, normal), size = sqrt(1 - along * along);
+    for (int k = 0; k < 3; k++) x[k] = (x[k] - along * normal[k]) / size;
+    for (int k = 0; k < 3; k++) y[k] = normal[(k + 1) % 3] * x[(k + 2) % 3] - normal[(k + 2) % 3] * x[(k + 1) % 3];
+    v[0] = dot(x, view), v[1] = dot(y, view), v[2] = dot(normal, view);
+    for (int i = 0; i < FEWER * FEWER; i++) {
+        double u = (i / FEWER + 0.5) / FEWER, w = (i % FEWER + 0.5) / FEWER, m[3], l[3], a2 = alpha * alpha;
+        if (metal) {
+            draw_microfacet(v, alpha, u, w, m);
+            double half = dot(v, m);
+            for (int k = 0; k < 3; k++) l[k] = 2 * half * m[k] - v[k];
+            if (l[2] <= 0) continue;
+            u = fresnel(color, half) * 2 * l[2] / (l[2] + sqrt(a2 + (1 - a2) * l[2] * l[2]));
+        } else {
+            l[0] = sqrt(u) * cos(2 * AL_PI * w), l[1] = sqrt(u) * sin(2 * AL_PI * w), l[2] = sqrt(1 - u);
+            u = color;
+        }
+        double up = 0;
+        for (int k = 0; k < 3; k++) up += face[k] * (l[0] * x[k] + l[1] * y[k] + l[2] * normal[k]);
+        if (up > 0) sum += u;
+    }
+    return sum / (FEWER * FEWER);
+}
+
+/* A box that sends 1. Seen from below the mapped normal there is no closed form. */
+static void test_mapped_furnace(const char *folder)
+{
+    static seen s;
+    sphere_scene scene;
+    bent_map map;
+    sphere_scene_begin(&scene);
+    add_box(&scene);
+    set_map(&scene, &map, 30);
+    al_runtime *runtime = open_scene(folder, &scene);
+    al_view view = stage_look(EDGE, EDGE, (float[3]){0.3f, 0.2f, 0.9f}, (float[3]){-0.2f, -0.5f, -1}, 1.2f);
+    for (int i = 0; i < 8; i++) {
+        const double roughnesses[] = {0, 0.2, 0.5, 1}, roughness = roughnesses[i / 2], color = 0.8;
+        al_material *m = &al_runtime_scene(runtime)->materials[1];
+        for (int c = 0; c < 3; c++) m->base_color[c] = (float)color;
+        m->roughness = (float)roughness;
+        m->metallic = i % 2;
+        m->ior = 1;
+        al_settings settings = {.pass = AL_PASS_INDIRECT, .bounce_samples = SAMPLES, .bounce_filter_off = i / 2 % 2,
+                                .indirect_lambert = true, .shell_levels = 1, .surfel_pixels = 2};
+        float *pixels = draw(runtime, &view, &settings);
+        if (!pixels) continue;
+        read_seen(runtime, &s);
+        double found = 0, expected = 0;
+        for (uint32_t k = 0; k < EDGE * EDGE; k++) {
+            double face[3], normal[3];
+            face_of(s.geometry[k], face);
+            for (int c = 0; c < 3; c++) normal[c] = (double)s.geometry[k][c];
+            if (dot(normal, s.view[k]) < 0.02) continue;
+            found += (double)pixels[3 * k];
+            if (k % 7 == 0) expected += 7 * albedo_above(normal, face, s.view[k], color, i % 2, roughness);
+        }
+        double noise = 3 / sqrt((double)EDGE * EDGE * SAMPLES);
+        printf("mapped normals, roughness %g, metallic %d: %.4f of the albedo above the wall, noise %.4f\n", roughness, i % 2,
+               found / expected, noise);
+        CHECK(found / expected > 1 - exp(-3) - noise);
+        CHECK(found / expected < 1 + noise);
+        free(pixels);
+    }
+    al_runtime_destroy(runtime);
+}
+
+/* A floor of 2 m with a map that turns its normal by `degrees` towards +x, and a ball that sends 1. */
+static al_runtime *open_ball(const char *folder, double degrees, float radius, const float place[3])
+{
+    sphere_scene s;
+    bent_map map;
+    sphere_scene_begin(&s);
+    set_map(&s, &map, degrees);
+    add_square(&s, 2, (float[3]){0, 0, 0}, 1, 1);
+    sphere_scene_add_floor(&s, radius, place);
+    s.instances[1].mesh = 0;
+    for (int c = 0; c < 3; c++) s.materials[0].emission_w_m2_sr[c] = 1;
+    return open_scene(folder, &s);
+}
+
+/* A mirror of the mapped normal: the ball where its ray, mirrored, meets the ball, nothing where it passes by; neither within
+ * 0.06 m of its rim, which discs of two pixels cross. */
+static void test_mapped_mirror(const char *folder)
+{
+    const double radius = 0.4, place[3] = {0.9, 0.7, 0}, color = 0.8, rim = 0.06;
+    static seen s;
+    for (int degrees = -30; degrees <= 30; degrees += 30) {
+        const float ball[3] = {degrees < 0 ? -(float)place[0] : degrees ? (float)place[0] : 0, degrees ? (float)place[1] : 1, 0};
+        al_runtime *runtime = open_ball(folder, degrees, (float)radius, ball);
+        al_material *m = &al_runtime_scene(runtime)->materials[1];
+        for (int c = 0; c < 3; c++) m->base_color[c] = (float)color;
+        m->roughness = 0;
+        m->metallic = 1;
+        const float eye[3] = {0, 2.4f, 1.2f};
+        al_view view = stage_look(EDGE, EDGE, eye, (float[3]){0, 0, 0}, 0.7f);
+        al_settings settings = {.pass = AL_PASS_INDIRECT, .bounce_samples = SAMPLES, .shell_levels = 1, .surfel_pixels = 1};
+        float *pixels = draw(runtime, &view, &settings);
+        if (!pixels) continue;
+        read_seen(runtime, &s);
+        int hits = 0, misses = 0;
+        double sum = 0, expected = 0;
+        for (uint32_t i = 0; i < EDGE * EDGE; i++) {
+            double to[3], ray[3], normal[3], away = s.geometry[i][3];
+            for (int k = 0; k < 3; k++) normal[k] = (double)s.geometry[i][k];
+            double cosine = dot(normal, s.view[i]), at = (double)eye[1] - away * s.view[i][1];
+            if (away == 0 || fabs(at) > 1e-3) continue; /* the ball itself */
+            for (int k = 0; k < 3; k++) {
+                ray[k] = 2 * cosine * normal[k] - s.view[i][k];
+                to[k] = (double)ball[k] - ((double)eye[k] - away * s.view[i][k]);
+            }
+            double along = dot(to, ray), by = sqrt(dot(to, to) - along * along);
+            if (along > 0 && by < radius - rim) {
+                hits++;
+                sum += (double)pixels[3 * i];
+                expected += fresnel(color, cosine);
+            } else if (along < 0 || by > radius + rim) {
+                misses++;
+                CHECK(pixels[3 * i] < 1e-2f); /* the lobe's tail, alpha being 0.001 */
+            }
+        }
+        printf("mapped mirror, %d degrees: %.4f of the ball in %d pixels, none in %d\n", degrees, sum / expected, hits, misses);
+        CHECK(hits > 60 && misses > 200);
+        CHECK(sum / expected > 1 - exp(-3) - 3 / sqrt(hits * SAMPLES) && sum / expected < 1 + 1e-2);
+        free(pixels);
+        al_runtime_destroy(runtime);
+    }
+}
+
+/* A ball below the floor's plane, towards which mapped normals lean: nothing of it arrives, of one above it does. */
+static void test_mapped_below(const char *folder)
+{
+    for (int above = 0; above < 2; above++) {
+        al_runtime *runtime = open_ball(folder, 75, 0.5f, (float[3]){1.7f, above ? 0.8f : -0.8f, 0});
+        al_view view = stage_look(EDGE, EDGE, (float[3]){0, 2, 0.2f}, (float[3]){0, 0, 0}, 0.5f);
+        for (int i = 0; i < 12; i++) {
+            const float roughnesses[] = {0, 0.4f, 1};
+            al_material *m = &al_runtime_scene(runtime)->materials[1];
+            m->roughness = roughnesses[i / 4];
+            m->metallic = i & 1;
+            al_settings settings = {.pass = AL_PASS_INDIRECT, .bounce_filter_off = i >> 1 & 1, .surfel_pixels = 4,
+                                    .shell_levels = 1, .bounce_samples = 2};
+            float *pixels = draw(runtime, &view, &settings);
+            double sum = pixels ? stage_sum(pixels, EDGE * EDGE * 3) : -1;
+            CHECK(above ? sum > 0 || (m->metallic > 0 && m->roughness < 1) : sum == 0);
+            free(pixels);
+        }
+        al_runtime_destroy(runtime);
+    }
+}
+
 /* --- plates --- */
 
 static double corner_factor(double a, double b)
@@ -213,11 +406,6 @@ static void test_plates(const char *folder)
 /* --- glossy senders --- */
 
 static const double shine_alpha = 0.49, shine_color = 0.9, fog_per_m = 0.3;
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /* BRDF of the metal: GGX's D with Smith's G1 of both sides and Schlick's F. */
 static double shine(const double normal[3], const double light[3], const double view[3])
@@ -380,6 +568,9 @@ int main(void)
     CHECK(folder != NULL);
     if (!folder) return test_end();
     test_furnace(folder);
+    test_mapped_furnace(folder);
+    test_mapped_mirror(folder);
+    test_mapped_below(folder);
     test_plates(folder);
     test_senders(folder);
     test_alone(folder);
