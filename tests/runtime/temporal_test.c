@@ -38,11 +38,32 @@ static void add_ball(sphere_scene *s, float radius, const float place[3])
     s->instances[s->scene.instance_count - 1].mesh = 0;
 }
 
-/* A box of 2 m without its front, a ball of 0.35 m in it, two lamps. */
-static void write_box(void)
+/* The ball grows a tip of its own length in the first second. */
+static void deform_ball(sphere_scene *s)
+{
+    static float times[2] = {0, 1}, shares[2] = {0, 1};
+    static al_motion_node node = {"", AL_NO_INDEX, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, {0}, {0, 0, 0, 1}, {1, 1, 1}};
+    static al_motion_channel channel = {0, AL_MOTION_WEIGHTS, AL_MOTION_LINEAR, 2, 1, times, shares};
+    static al_motion_deform deform;
+    const al_mesh *mesh = &s->meshes[0];
+    float *deltas = calloc(mesh->vertex_count, 12);
+    CHECK(deltas != NULL);
+    if (!deltas) exit(test_end());
+    for (uint32_t i = 0; i < mesh->vertex_count; i++) deltas[3 * i + 1] = fmaxf(mesh->positions[3 * i + 1], 0);
+    deform = (al_motion_deform){s->scene.instance_count - 1, 0, 0, 0, 1, false, mesh->positions, mesh->normals, NULL, NULL, deltas, NULL};
+    s->scene.motion = (al_motion){1, 1, 0, 0, 1, &node, &channel, NULL, NULL, &deform};
+}
+
+/* A box of 2 m without its front, a ball of 0.35 m in it, two lamps; fog of mean free paths of 5 m and the ball's growth, if
+ * asked for. */
+static void write_box(bool foggy, bool grows)
 {
     sphere_scene s;
+    al_fog fog = {.density = 1, .asset = ""};
     sphere_scene_begin(&s);
+    for (int c = 0; c < 3; c++) s.medium.sigma_s_per_m[c] = s.medium.sigma_a_per_m[c] = 0.1f;
+    s.scene.fogs = &fog;
+    s.scene.fog_count = foggy;
     for (int i = 0; i < 6; i++) {
         float place[3] = {0, 0, 0}, side = i % 2 ? 1 : -1;
         place[i / 2] = -side;
@@ -55,7 +76,9 @@ static void write_box(void)
         for (int c = 0; c < 3; c++) s.materials[i].base_color[c] = c ? 0.6f : 0.8f;
     for (int c = 0; c < 3; c++) s.scene.environment.sh[c][0] = 0.1f * 3.5449077f; /* 0.1 W/(m2 sr) from everywhere */
     s.scene.baked = (al_baked_light){"", ""};
+    if (grows) deform_ball(&s);
     CHECK(sphere_scene_write(folder, &s));
+    if (grows) free(s.scene.motion.deforms->position_deltas);
     sphere_scene_end(&s);
 }
 
@@ -385,13 +408,127 @@ static void test_tiles(void)
     close_trio(&t);
 }
 
+/* --- beside the rest of the frame --- */
+
+/* In fog, whose own light is drawn anew in each frame: what --indirect adds to the picture is the mean over frames of what it
+ * adds without history, both effects at once. */
+static void test_fog(void)
+{
+    trio t = open_trio(AL_PASS_COMPOSITE);
+    al_settings bare = t.without;
+    al_view view = look(0, 0);
+    al_runtime *none = open_box();
+    static float mean[PIXELS];
+    memset(mean, 0, sizeof mean);
+    t.with.temporal_undoubted = true;
+    t.without.indirect = t.with.indirect = t.without.ambient_occlusion = t.with.ambient_occlusion = true;
+    for (int n = 1; n <= 5; n++) {
+        float *one = draw(t.plain, &view, &t.without), *kept = draw(t.kept, &view, &t.with), *base = draw(none, &view, &bare);
+        for (int i = 0; i < PIXELS; i++) {
+            mean[i] += (one[i] - base[i] - mean[i]) / (float)n;
+            kept[i] -= base[i];
+        }
+        CHECK(error_of(kept, mean) < 1e-3);
+        free(one), free(kept), free(base);
+    }
+    al_runtime_destroy(none);
+    close_trio(&t);
+}
+
+/* The ball grows in fog: no frame is worse than without history; when the lamps go out nothing is left. */
+static void test_growth(void)
+{
+    enum { K = 8, FRAMES = 9 };
+    trio t = open_trio(AL_PASS_INDIRECT);
+    al_runtime *all[] = {t.plain, t.kept, t.truth};
+    al_view view = look(0, 0);
+    double worst = 0, last = 0;
+    for (int f = 0; f <= FRAMES; f++) {
+        for (int i = 0; i < 3; i++) {
+            al_runtime_set_time(all[i], fmin(0.15 * f, 0.9));
+            for (int k = 0; k < 6 && f == FRAMES; k++) al_runtime_scene(all[i])->lights[k / 3].intensity[k % 3] = 0;
+        }
+        float *one = draw(t.plain, &view, &t.without), *kept = draw(t.kept, &view, &t.with);
+        if (f == FRAMES) {
+            CHECK(stage_sum(kept, PIXELS) == 0);
+        } else {
+            float *truth = converge(t.truth, &view, &t.without, K);
+            last = error_of(kept, truth) / error_of(one, truth);
+            worst = fmax(worst, f ? last : 0);
+            CHECK(last <= 1.05);
+            free(truth);
+        }
+        free(one), free(kept);
+    }
+    printf("ball that grows in fog: error of history at most %.3f of that without, %.3f at rest\n", worst, last);
+    CHECK(last < 1.05 * sqrt(1.0 / 3 + 1.0 / K) / sqrt(1 + 1.0 / K)); /* the last three frames are alike */
+    close_trio(&t);
+}
+
+/* As a host draws: its own picture is 5, its own geometry hides ours from pixel `edge` on. To be freed. */
+static float *draw_hosted(al_runtime *runtime, const al_view *view, const al_settings *settings, int edge)
+{
+    static float depths[COUNT];
+    GLuint textures[2], framebuffer;
+    al_error error = {0};
+    float *pixels = malloc(PIXELS * sizeof *pixels), near = 0.01f, far = 100, z = 1.5f;
+    CHECK(pixels != NULL);
+    if (!pixels) exit(test_end());
+    for (int i = 0; i < COUNT; i++) depths[i] = i % EDGE < edge ? 1 : far * (z - near) / (z * (far - near));
+    glCreateTextures(GL_TEXTURE_2D, 2, textures);
+    glTextureStorage2D(textures[0], 1, GL_RGBA32F, EDGE, EDGE);
+    glTextureStorage2D(textures[1], 1, GL_DEPTH_COMPONENT32F, EDGE, EDGE);
+    glTextureSubImage2D(textures[1], 0, 0, 0, EDGE, EDGE, GL_DEPTH_COMPONENT, GL_FLOAT, depths);
+    glCreateFramebuffers(1, &framebuffer);
+    glNamedFramebufferTexture(framebuffer, GL_COLOR_ATTACHMENT0, textures[0], 0);
+    glClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, (float[4]){5, 5, 5, 1});
+    CHECK(al_runtime_draw(runtime, view, settings, framebuffer, textures[1], &error) == AL_OK);
+    glGetTextureImage(textures[0], 0, GL_RGB, GL_FLOAT, PIXELS * sizeof *pixels, pixels);
+    CHECK(!stage_bad(pixels, PIXELS));
+    glDeleteFramebuffers(1, &framebuffer);
+    glDeleteTextures(2, textures);
+    return pixels;
+}
+
+/* A host's wall moves aside: it keeps its own picture, what comes into view behind it has no history, the rest keeps it. */
+static void test_host(void)
+{
+    trio t = open_trio(AL_PASS_COMPOSITE);
+    al_view view = look(0, 0);
+    static const int edges[] = {20, 20, 20, 26, 32, EDGE};
+    static float light[COUNT][4];
+    t.without.indirect = t.with.indirect = t.without.ambient_occlusion = t.with.ambient_occlusion = true;
+    t.with.temporal_undoubted = true;
+    for (int f = 0; f < 6; f++) {
+        int fresh = 0, old = 0, before = f ? edges[f - 1] : 0;
+        float *one = draw_hosted(t.plain, &view, &t.without, edges[f]), *kept = draw_hosted(t.kept, &view, &t.with, edges[f]);
+        read_history(t.kept, AL_BOUNCE_INDIRECT, light);
+        for (int i = 0; i < COUNT; i++) {
+            int x = i % EDGE;
+            bool host = x >= edges[f], seen = !host && light[i][3] > 0;
+            CHECK(x < before ? light[i][3] > 1 || !seen : seen ? light[i][3] == 1 : light[i][3] == 0);
+            fresh += seen && light[i][3] == 1;
+            old += seen && light[i][3] > 1;
+            for (int c = 3 * i; c < 3 * i + 3; c++) {
+                if (host) CHECK(kept[c] == 5);
+                if (!seen || light[i][3] == 1) CHECK_NEAR((double)kept[c], (double)one[c], 1e-5 * (double)one[c]);
+            }
+        }
+        printf("host's wall from %d: %d pixels new, %d kept\n", edges[f], fresh, old);
+        CHECK(fresh > 100 || edges[f] == before);
+        CHECK(f == 0 || old > 300);
+        free(one), free(kept);
+    }
+    close_trio(&t);
+}
+
 int main(void)
 {
     if (!stage_open()) return test_skip("no OpenGL 4.5 context");
     folder = stage_folder();
     CHECK(folder != NULL);
     if (!folder) return test_end();
-    write_box();
+    write_box(false, false);
     for (int i = 0; i < 2; i++) {
         al_pass pass = i ? AL_PASS_AMBIENT_OCCLUSION : AL_PASS_INDIRECT;
         test_mean(pass);
@@ -406,5 +543,10 @@ int main(void)
     test_life();
     test_repeat();
     test_tiles();
+    test_host();
+    write_box(true, false);
+    test_fog();
+    write_box(true, true);
+    test_growth();
     return test_end();
 }
