@@ -41,7 +41,10 @@ al_status al_bounce_fit(al_draw *draw, const al_shell_block *shells)
     if (status) return status;
     if (!bounce->framebuffer) glCreateFramebuffers(1, &bounce->framebuffer);
     glNamedFramebufferTexture(bounce->framebuffer, GL_COLOR_ATTACHMENT0, bounce->hits.id, 0);
+    glNamedFramebufferTexture(bounce->framebuffer, GL_COLOR_ATTACHMENT1, 0, 0); /* volumes.c may add some */
+    glNamedFramebufferTexture(bounce->framebuffer, GL_COLOR_ATTACHMENT2, 0, 0);
     glNamedFramebufferTexture(bounce->framebuffer, GL_DEPTH_ATTACHMENT, bounce->depths.id, 0);
+    glNamedFramebufferDrawBuffer(bounce->framebuffer, GL_COLOR_ATTACHMENT0);
     return AL_OK;
 }
 
@@ -157,8 +160,7 @@ al_status al_bounce_inspect(al_draw *draw)
     al_runtime *runtime = draw->runtime;
     const al_bounce *bounce = &runtime->bounce;
     GLuint program;
-    if (!draw->needs_surfels && draw->settings.occlusion_carrier != AL_CARRIER_VOLUMES &&
-        draw->settings.occlusion_carrier != AL_CARRIER_SCREEN)
+    if (!draw->needs_map && !draw->effects[AL_BOUNCE_OCCLUSION] && !draw->effects[AL_BOUNCE_INDIRECT])
         return AL_OK; /* none were sent */
     al_status status =
         al_shaders_get(runtime->shaders, "fullscreen.vert inspect_bounce.frag", "", &program, draw->error);
@@ -178,8 +180,8 @@ al_status al_bounce_inspect(al_draw *draw)
 void al_bounce_sweep(al_runtime *runtime)
 {
     al_bounce *bounce = &runtime->bounce;
-    al_gl_texture *const textures[] = {&bounce->rays, &bounce->hits,     &bounce->depths,
-                                       &bounce->span, &bounce->arriving, &bounce->light};
+    al_gl_texture *const textures[] = {&bounce->rays,     &bounce->hits,  &bounce->depths,  &bounce->span,
+                                       &bounce->arriving, &bounce->light, &bounce->senders, &bounce->glows};
     for (size_t i = 0; i < sizeof textures / sizeof textures[0]; i++)
         al_gl_texture_sweep(&runtime->memory, textures[i]);
     al_gl_buffer_sweep(&runtime->memory, &bounce->constants);

@@ -4,10 +4,15 @@
 
 #include "state.h"
 
-/* Ambient occlusion by what the settings choose; light comes from surfels. */
-static al_carrier carrier_of(const al_draw *draw, al_bounce_effect effect)
+al_carrier al_bounce_carrier(const al_draw *draw, al_bounce_effect effect)
 {
-    return effect == AL_BOUNCE_OCCLUSION ? draw->settings.occlusion_carrier : AL_CARRIER_SURFELS;
+    return effect == AL_BOUNCE_OCCLUSION ? draw->settings.occlusion_carrier : draw->settings.indirect_carrier;
+}
+
+bool al_bounce_sums(const al_draw *draw, al_bounce_effect effect)
+{
+    al_carrier carrier = al_bounce_carrier(draw, effect);
+    return carrier == AL_CARRIER_SURFELS_BLENDED || carrier == AL_CARRIER_VOLUMES_BLENDED;
 }
 
 /* Levels padded so that every block is whole, as the medium's; the outermost shell is open. Surfels alone need several. */
@@ -37,12 +42,11 @@ static al_bounce_block bounce_block(const al_draw *draw, al_bounce_effect effect
                    settings->bounce_filter_off ? 0 : (int32_t)settings->bounce_filter}};
 }
 
-static al_status fit(al_draw *draw, al_carrier carrier, const al_shell_block *block)
+static al_status fit(al_draw *draw, bool rays, const al_shell_block *block)
 {
     al_runtime *runtime = draw->runtime;
     al_bounce *bounce = &runtime->bounce;
     al_gl_texture *const pictures[] = {&bounce->arriving, &bounce->light};
-    bool rays = carrier != AL_CARRIER_VOLUMES_BLENDED;
     al_status status = rays ? al_bounce_fit(draw, block) : AL_OK;
     for (int i = !rays; i < 2 && !status; i++)
         status = al_gl_texture_fit(&runtime->memory, GL_TEXTURE_2D, GL_RGBA32F, (uint32_t)draw->tile[2],
@@ -66,8 +70,8 @@ static void bind_surfaces(const al_runtime *runtime, GLuint first)
     al_gl_bind_texture(AL_UNIT_PASS + 2, runtime->targets.material.id);
 }
 
-/* One of the steps of a sample, a thread per pixel of the tile. */
-static al_status run(al_draw *draw, al_stage stage, const char *shader, const char *defines)
+/* One of the steps of a sample, a thread per pixel of the tile, which reads these two textures besides. */
+static al_status run(al_draw *draw, al_stage stage, const char *shader, const char *defines, GLuint first, GLuint second)
 {
     al_runtime *runtime = draw->runtime;
     al_bounce *bounce = &runtime->bounce;
@@ -76,7 +80,9 @@ static al_status run(al_draw *draw, al_stage stage, const char *shader, const ch
     if (status) return status;
     al_timing_begin(&runtime->timing, stage);
     glUseProgram(program);
-    bind_surfaces(runtime, bounce->rays.id);
+    al_gl_bind_texture(AL_UNIT_PASS, bounce->rays.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 1, first);
+    al_gl_bind_texture(AL_UNIT_PASS + 2, second);
     al_gl_bind_texture(AL_UNIT_PASS + 3, bounce->hits.id);
     al_gl_bind_texture(AL_UNIT_PASS + 4, bounce->depths.id);
     glBindImageTexture(0, bounce->rays.id, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
@@ -115,6 +121,48 @@ static al_status march(al_draw *draw, al_stage stage, const al_shell_block *bloc
     return AL_OK;
 }
 
+GLuint al_bounce_begin_sum(const al_draw *draw)
+{
+    static const float nothing[4] = {0, 0, 0, 1};
+    GLuint framebuffer;
+    glCreateFramebuffers(1, &framebuffer); /* kept, it would keep its texture once that is replaced */
+    glNamedFramebufferTexture(framebuffer, GL_COLOR_ATTACHMENT0, draw->runtime->bounce.light.id, 0);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glDisable(GL_SCISSOR_TEST);
+    glClearNamedFramebufferfv(framebuffer, GL_COLOR, 0, nothing);
+    glEnable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ONE);
+    return framebuffer;
+}
+
+void al_bounce_end_sum(GLuint framebuffer)
+{
+    glDeleteFramebuffers(1, &framebuffer);
+    glDisable(GL_BLEND);
+    glBlendFunc(GL_ONE, GL_ZERO);
+}
+
+/* What every surfel sends or hides. */
+static al_status sum_surfels(al_draw *draw, al_bounce_effect effect, al_stage stage, const al_shell_block *block)
+{
+    al_runtime *runtime = draw->runtime;
+    GLuint program, framebuffer;
+    char defines[64];
+    snprintf(defines, sizeof defines, "#define AL_LEVELS 1\n%s", effect == AL_BOUNCE_INDIRECT ? "#define AL_INDIRECT\n" : "");
+    al_status status = al_shaders_get(runtime->shaders, "shell.vert bounce.geom bounce_sum.frag", defines, &program, draw->error);
+    if (status) return status;
+    al_timing_begin(&runtime->timing, stage);
+    framebuffer = al_bounce_begin_sum(draw);
+    glViewport(0, 0, block->size[0], block->size[1]);
+    glUseProgram(program);
+    bind_surfaces(runtime, 0);
+    al_gl_bind_texture(AL_UNIT_PASS + 3, runtime->bounce.span.id);
+    if (draw->needs_surfels) al_surfels_draw_points(draw);
+    al_bounce_end_sum(framebuffer);
+    al_timing_end(&runtime->timing);
+    return AL_OK;
+}
+
 static al_status splat(al_draw *draw, al_stage stage, const al_shell_block *block)
 {
     al_runtime *runtime = draw->runtime;
@@ -123,11 +171,11 @@ static al_status splat(al_draw *draw, al_stage stage, const al_shell_block *bloc
 }
 
 /* Fills bounce.hits and .depths. */
-static al_status find_hits(al_draw *draw, al_carrier carrier, al_stage stage, const al_shell_block *block)
+static al_status find_hits(al_draw *draw, al_bounce_effect effect, al_stage stage, const al_shell_block *block)
 {
-    switch (carrier) {
+    switch (al_bounce_carrier(draw, effect)) {
     case AL_CARRIER_VOLUMES:
-        return al_volumes_trace(draw, stage, block);
+        return al_volumes_trace(draw, effect, stage, block);
     case AL_CARRIER_SCREEN:
         return march(draw, stage, block);
     default:
@@ -137,14 +185,20 @@ static al_status find_hits(al_draw *draw, al_carrier carrier, al_stage stage, co
 
 static al_status arrive(al_draw *draw, al_stage stage, al_bounce_effect effect)
 {
+    const al_runtime *runtime = draw->runtime;
     const al_settings *settings = &draw->settings;
-    char defines[96] = "";
+    al_carrier carrier = al_bounce_carrier(draw, effect);
+    bool shown = carrier == AL_CARRIER_SCREEN;
+    char defines[160] = "";
     if (effect == AL_BOUNCE_INDIRECT)
-        snprintf(defines, sizeof defines, "#define AL_INDIRECT\n%s%s",
-                 settings->indirect_lambert ? "" : settings->shadows_off ? "#define AL_GLOSSY\n"
-                                                                         : "#define AL_GLOSSY\n#define AL_SHADOWS\n",
-                 al_fog_define(draw));
-    return run(draw, stage, "bounce_arrive.comp", defines);
+        snprintf(defines, sizeof defines, "#define AL_INDIRECT\n%s%s%s%s",
+                 shown                           ? "#define AL_SHOWN\n"
+                 : carrier == AL_CARRIER_VOLUMES ? "#define AL_TRACED\n"
+                                                 : "",
+                 settings->indirect_lambert || shown ? "" : "#define AL_GLOSSY\n",
+                 settings->shadows_off ? "" : "#define AL_SHADOWS\n", al_fog_define(draw));
+    return run(draw, stage, "bounce_arrive.comp", defines, shown ? runtime->targets.radiance.id : runtime->bounce.senders.id,
+               runtime->bounce.glows.id);
 }
 
 static al_stage first_stage(al_bounce_effect effect)
@@ -155,24 +209,25 @@ static al_stage first_stage(al_bounce_effect effect)
 static al_status take_sample(al_draw *draw, al_bounce_effect effect, const al_shell_block *shells)
 {
     al_stage stage = first_stage(effect);
+    const al_targets *targets = &draw->runtime->targets;
     const char *receiver = receiver_define(draw, effect);
-    al_status status = run(draw, stage, "bounce_surface.comp", receiver);
-    if (!status) status = find_hits(draw, carrier_of(draw, effect), stage + 1, shells);
+    al_status status = run(draw, stage, "bounce_surface.comp", receiver, targets->geometry.id, targets->material.id);
+    if (!status) status = find_hits(draw, effect, stage + 1, shells);
     if (!status) status = arrive(draw, stage + 2, effect);
-    return status ? status : run(draw, stage + 3, "bounce_filter.comp", receiver);
+    return status ? status : run(draw, stage + 3, "bounce_filter.comp", receiver, targets->geometry.id, targets->material.id);
 }
 
 /* Adds the mean of the samples to the radiance. */
 static al_status add(al_draw *draw, al_bounce_effect effect)
 {
     al_runtime *runtime = draw->runtime;
-    bool sums = carrier_of(draw, effect) == AL_CARRIER_VOLUMES_BLENDED;
+    bool hidden = effect == AL_BOUNCE_OCCLUSION && al_bounce_sums(draw, effect);
     GLuint program;
     const char *defines = effect == AL_BOUNCE_OCCLUSION && draw->needs_shading ? "#define AL_AMBIENT\n"
                           : draw->settings.pass == AL_PASS_INDIRECT            ? al_fog_define(draw)
                                                                                : "";
     char all[96];
-    snprintf(all, sizeof all, "%s%s", sums ? "#define AL_SUMS\n" : "", defines);
+    snprintf(all, sizeof all, "%s%s", hidden ? "#define AL_HIDDEN\n" : "", defines);
     al_status status = al_shaders_get(runtime->shaders, "fullscreen.vert bounce_show.frag", all, &program, draw->error);
     if (status) return status;
     glBindFramebuffer(GL_FRAMEBUFFER, runtime->targets.radiance_framebuffer);
@@ -187,34 +242,54 @@ static al_status add(al_draw *draw, al_bounce_effect effect)
     return AL_OK;
 }
 
+/* Shares and light of everything that may hide or send, in one draw. */
+static al_status add_up(al_draw *draw, al_bounce_effect effect, const al_shell_block *shells)
+{
+    al_stage stage = first_stage(effect) + 1;
+    if (al_bounce_carrier(draw, effect) == AL_CARRIER_VOLUMES_BLENDED) return al_volumes_sum(draw, stage);
+    return sum_surfels(draw, effect, stage, shells);
+}
+
+static al_status take_samples(al_draw *draw, al_bounce_effect effect, const al_shell_block *shells, al_bounce_block block)
+{
+    al_status status = AL_OK;
+    for (; block.sample[0] < block.sample[1] && !status; block.sample[0]++) {
+        glNamedBufferSubData(draw->runtime->bounce.constants.id, 0, sizeof block, &block);
+        status = take_sample(draw, effect, shells);
+    }
+    return status ? status : al_history_run(draw, effect);
+}
+
+/* Of a picture that shows nothing else what the screen's march needed goes again. */
+static void clear_shown(const al_draw *draw)
+{
+    static const float black[4] = {0, 0, 0, 1};
+    glDisable(GL_SCISSOR_TEST);
+    glClearNamedFramebufferfv(draw->runtime->targets.radiance_framebuffer, GL_COLOR, 0, black);
+}
+
 al_status al_bounce_surface(al_draw *draw, al_bounce_effect effect)
 {
     al_bounce *bounce = &draw->runtime->bounce;
-    const al_carrier carrier = carrier_of(draw, effect);
+    const al_carrier carrier = al_bounce_carrier(draw, effect);
     const al_shell_block shells = shell_block(draw, carrier);
-    al_bounce_block block = bounce_block(draw, effect);
-    al_status status = fit(draw, carrier, &shells);
+    const al_bounce_block block = bounce_block(draw, effect);
+    bool sums = al_bounce_sums(draw, effect);
+    al_status status = fit(draw, !sums, &shells);
     if (status) return status;
     glNamedBufferSubData(bounce->shells.id, 0, sizeof shells, &shells);
     glBindBufferBase(GL_UNIFORM_BUFFER, 3, bounce->shells.id);
     glNamedBufferSubData(bounce->constants.id, 0, sizeof block, &block);
     glBindBufferBase(GL_UNIFORM_BUFFER, 4, bounce->constants.id);
     if (carrier != AL_CARRIER_SCREEN) status = al_span_run(draw, first_stage(effect), &shells, &bounce->span, "#define AL_SURFACE\n");
-    if (!status && carrier == AL_CARRIER_VOLUMES_BLENDED) {
-        status = al_volumes_sum(draw, AL_STAGE_OCCLUSION_HITS);
-        return status ? status : add(draw, effect);
-    }
-    for (; block.sample[0] < block.sample[1] && !status; block.sample[0]++) {
-        glNamedBufferSubData(bounce->constants.id, 0, sizeof block, &block);
-        status = take_sample(draw, effect, &shells);
-    }
-    if (!status) status = al_history_run(draw, effect);
+    if (!status) status = sums ? add_up(draw, effect, &shells) : take_samples(draw, effect, &shells, block);
+    if (!status && draw->settings.pass == AL_PASS_INDIRECT) clear_shown(draw);
     return status ? status : add(draw, effect);
 }
 
 uint64_t al_bounce_surface_bytes(const al_runtime *runtime)
 {
     const al_bounce *bounce = &runtime->bounce;
-    return bounce->span.bytes + bounce->arriving.bytes + bounce->light.bytes + bounce->shells.size +
-           runtime->targets.material.bytes;
+    return bounce->span.bytes + bounce->arriving.bytes + bounce->light.bytes + bounce->senders.bytes +
+           bounce->glows.bytes + bounce->shells.size + runtime->targets.material.bytes;
 }

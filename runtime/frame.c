@@ -51,6 +51,9 @@ static al_status check(const al_view *view, const al_settings *settings, al_erro
     if (settings->bounce_filter > 16 || (settings->occlusion_radius_m != 0 && !in_range(settings->occlusion_radius_m, 1e-6, 1e6)))
         return al_fail(error, AL_USAGE, "settings: filter of %u pixels, occlusion radius of %g m; use at most 16, 1e-6 to "
                        "1e6, or 0", settings->bounce_filter, (double)settings->occlusion_radius_m);
+    if ((unsigned)settings->indirect_carrier >= AL_CARRIER_COUNT || settings->indirect_carrier == AL_CARRIER_VOLUMES_BLENDED)
+        return al_fail(error, AL_USAGE, "settings: indirect carrier %u; use %d to %d, but not %d", (unsigned)settings->indirect_carrier,
+                       0, AL_CARRIER_COUNT - 1, AL_CARRIER_VOLUMES_BLENDED);
     if ((unsigned)settings->occlusion_carrier >= AL_CARRIER_COUNT || settings->screen_steps > 1024 ||
         (settings->screen_thickness_m != 0 && !in_range(settings->screen_thickness_m, 1e-6, 1e6)))
         return al_fail(error, AL_USAGE, "settings: occlusion carrier %u, screen march of %u steps, thickness %g m; use 0 to "
@@ -341,6 +344,18 @@ static void choose_effects(al_draw *draw)
     draw->needs_material = ambient || draw->effects[AL_BOUNCE_INDIRECT];
 }
 
+static bool takes_surfels(const al_draw *draw, al_bounce_effect effect)
+{
+    al_carrier carrier = al_bounce_carrier(draw, effect);
+    return draw->effects[effect] && (carrier == AL_CARRIER_SURFELS || carrier == AL_CARRIER_SURFELS_BLENDED);
+}
+
+/* Surfaces are shaded so that others can take their light from the picture. */
+static bool shows_senders(const al_draw *draw)
+{
+    return draw->effects[AL_BOUNCE_INDIRECT] && draw->settings.indirect_carrier == AL_CARRIER_SCREEN;
+}
+
 /* How many levels or layers the pass can show one of. */
 static uint32_t shown_limit(const al_draw *draw)
 {
@@ -369,7 +384,6 @@ static al_status draw_frame(al_draw *draw)
 {
     al_runtime *runtime = draw->runtime;
     al_pass pass = draw->settings.pass;
-    draw->needs_shading = pass == AL_PASS_COMPOSITE || pass == AL_PASS_SURFACE;
     draw->needs_light = pass == AL_PASS_COMPOSITE || pass == AL_PASS_TRANSLUCENT || pass == AL_PASS_UNITY;
     al_status status = fill_view(draw);
     if (!status) status = al_motion_draw(draw); /* before what binds buffers for the whole frame */
@@ -381,9 +395,10 @@ static al_status draw_frame(al_draw *draw)
     al_fog_prepare(draw);
     choose_effects(draw);
     bool into_fog = sends_into_fog(draw);
-    bool occludes = draw->effects[AL_BOUNCE_OCCLUSION] && draw->settings.occlusion_carrier == AL_CARRIER_SURFELS;
-    draw->needs_surfels = runtime->model.has_opaque && (pass == AL_PASS_SURFELS || into_fog || occludes ||
-                                                        draw->effects[AL_BOUNCE_INDIRECT]);
+    draw->needs_shading = pass == AL_PASS_COMPOSITE || pass == AL_PASS_SURFACE || shows_senders(draw);
+    draw->needs_surfels = runtime->model.has_opaque &&
+                          (pass == AL_PASS_SURFELS || into_fog || takes_surfels(draw, AL_BOUNCE_OCCLUSION) ||
+                           takes_surfels(draw, AL_BOUNCE_INDIRECT));
     draw->needs_objects = runtime->scene.translucent_count && runtime->sorted[0] != AL_NO_INDEX &&
                           pass != AL_PASS_SURFELS && !shows_effect(pass);
     draw->needs_map = into_fog || (runtime->fogs.drawn && (pass == AL_PASS_INTERVAL_MAP || pass == AL_PASS_DEPLETION));

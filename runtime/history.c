@@ -5,11 +5,10 @@
 
 #include "state.h"
 
-/* Blended volumes draw nothing at random. */
+/* What is blended is not drawn at random. */
 static bool takes_part(const al_draw *draw, int effect)
 {
-    bool sums = effect == AL_BOUNCE_OCCLUSION && draw->settings.occlusion_carrier == AL_CARRIER_VOLUMES_BLENDED;
-    return draw->effects[effect] && !sums;
+    return draw->effects[effect] && !al_bounce_sums(draw, (al_bounce_effect)effect);
 }
 
 static bool is_wanted(const al_draw *draw)

@@ -165,6 +165,7 @@ typedef struct al_bounce { /* the bounced z-buffer of one tile */
     al_gl_buffer constants;
     al_gl_texture span, arriving, light; /* from surfaces: their distances' mips; along the rays; samples' sum */
     al_gl_buffer shells;                 /* likewise */
+    al_gl_texture senders, glows;        /* what a met triangle is made of, shaders/material.glsl; its emission */
 } al_bounce;
 
 /* shaders/history.glsl */
@@ -437,9 +438,13 @@ al_status al_bounce_fit(al_draw *draw, const al_shell_block *shells);
 al_status al_bounce_splat(al_draw *draw, al_stage stage, const al_shell_block *block, const al_gl_texture *span,
                           const char *choice);
 void al_bounce_clear(const al_draw *draw, const al_shell_block *block); /* no hits; ready to draw into all of a level */
-/* volumes.c: into a cleared level of the bounced z-buffer, the nearest triangle on every ray; or into bounce.light the
- * sum of what each triangle hides. Blocks are bound and bounce.span is filled. */
-al_status al_volumes_trace(al_draw *draw, al_stage stage, const al_shell_block *block);
+al_carrier al_bounce_carrier(const al_draw *draw, al_bounce_effect effect);
+bool al_bounce_sums(const al_draw *draw, al_bounce_effect effect); /* its carrier sends no rays */
+GLuint al_bounce_begin_sum(const al_draw *draw); /* into bounce.light, cleared, of 1 sample, by blending; a framebuffer */
+void al_bounce_end_sum(GLuint framebuffer);      /* deletes it */
+/* volumes.c: into a cleared level of the bounced z-buffer, the nearest triangle on every ray, and where light is asked for
+ * its material; or into bounce.light the sum of what each triangle hides. Blocks are bound and bounce.span is filled. */
+al_status al_volumes_trace(al_draw *draw, al_bounce_effect effect, al_stage stage, const al_shell_block *block);
 al_status al_volumes_sum(al_draw *draw, al_stage stage);
 uint64_t al_bounce_bytes(const al_runtime *runtime); /* of the z-buffer, the medium's and surfaces' alike */
 void al_bounce_sweep(al_runtime *runtime);

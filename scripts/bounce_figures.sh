@@ -1,8 +1,8 @@
 #!/bin/sh
-# How far ambient occlusion is off in three scenes (many boxes on a floor, a still life, a dense yard) by what finds occluders and
-# over the player's knobs: draws docs/images/bounce_occlusion.png and bounce_occlusion_curves.svg, and writes one table,
-# FOLDER/occlusion.csv: knob, value, frames, relative RMSE (the truth's noise taken out), FLIP (clamped sRGB), sum over truth,
-# surfels. Every frame is one direction a pixel, from another place in it.
+# How far light between surfaces is off in three scenes (many boxes on a floor, a still life, a dense yard), ambient occlusion and
+# light of one bounce, by what finds the other surfaces and over the player's knobs. Draws docs/images/bounce_EFFECT.png and
+# bounce_EFFECT_curves.svg and writes one table, FOLDER/bounce.csv: effect and knob, value, frames, relative RMSE (the truth's
+# noise taken out), FLIP (clamped sRGB), sum over truth, surfels. A frame is one direction a pixel, from another place in it.
 # usage: scripts/bounce_figures.sh [FOLDER [SAMPLES_PER_PIXEL]] (default out/bounce and 32: each carries 32 rays)
 # Pictures and truth stay in FOLDER and are not made again: an empty one makes all. AIRLIGHT_SHARED names the folder of
 # meshes (default ../shared).
@@ -35,69 +35,94 @@ shell() {
     esac
 }
 
-# prepare SCENE: bakes it, and its truth.
+# Of the sheet's pictures.
+brightness() {
+    case $1 in
+    occlusion) echo 1 ;;
+    indirect) echo 3 ;;
+    esac
+}
+
+# prepare SCENE: bakes it, and its truths.
 prepare() {
-    scene=build/tests/scenes/bounce_$1.json
+    scene=build/tests/scenes/bounce_$1.json truth=$folder/truth-$1
     [ -d "$folder/$1" ] || "$bin/airlight-bake" "$scene" -o "$folder/$1" --quiet
-    [ -f "$folder/$1-truth.error.exr" ] || "$bin/airlight-reference" "$scene" --mode ambient-occlusion --size 192x128 \
-        --radius "$(radius "$1")" --spp "$spp" --quiet -o "$folder/$1-truth.exr"
+    [ -f "$truth-occlusion.error.exr" ] || "$bin/airlight-reference" "$scene" --mode ambient-occlusion --size 192x128 \
+        --radius "$(radius "$1")" --spp "$spp" --quiet -o "$truth-occlusion.exr"
+    [ -f "$truth-indirect.error.exr" ] || "$bin/airlight-reference" "$scene" --mode indirect --size 192x128 --spp "$spp" \
+        --quiet -o "$truth-indirect.exr"
 }
 
-# picture SCENE KNOB VALUE FRAMES OPTIONS...
+# effect EFFECT SCENE CARRIER: the player's options.
+effect() {
+    case $1 in
+    occlusion) echo "--pass ambient-occlusion --occlusion-radius $(radius "$2") --occlusion-carrier $3" ;;
+    indirect) echo "--pass indirect --lambert-senders --indirect-carrier $3" ;;
+    esac
+}
+
+# picture EFFECT SCENE KNOB VALUE FRAMES CARRIER OPTIONS...
 picture() {
-    scene=$1 name=$folder/$1-$2-$3-$4 frames=$4
-    shift 4
-    [ -f "$name.json" ] || "$bin/airlight-play" "$folder/$scene" --headless --size 192x128 --pass ambient-occlusion \
-        --occlusion-radius "$(radius "$scene")" --surfel-size 2 --bounce-samples 1 --frames "$frames" --accumulate --quiet \
-        --out "$name.exr" --stats "$name.json" "$@"
+    name=$folder/$1-$2-$3-$4-$5 scene=$2 frames=$5 options=$(effect "$1" "$2" "$6")
+    shift 6
+    # shellcheck disable=SC2086 # options are words
+    [ -f "$name.json" ] || "$bin/airlight-play" "$folder/$scene" --headless --size 192x128 $options --surfel-size 2 \
+        --bounce-samples 1 --frames "$frames" --accumulate --quiet --out "$name.exr" --stats "$name.json" "$@"
 }
 
-# row SCENE KNOB VALUE FRAMES ...: the picture's line in the table.
+# row EFFECT SCENE KNOB VALUE FRAMES ...: the picture's line in the table.
 row() {
-    name=$1-$2-$3-$4
-    "$bin/airlight-compare" "$folder/$name.exr" "$folder/$1-truth.exr" --error "$folder/$1-truth.error.exr" --json \
-        >"$folder/compared.json"
-    echo "$1-$2,$3,$4,$(field relative_rmse_without_noise compared),$(field flip_ldr compared),$(
+    name=$1-$2-$3-$4-$5 truth=$folder/truth-$2-$1
+    "$bin/airlight-compare" "$folder/$name.exr" "$truth.exr" --error "$truth.error.exr" --json >"$folder/compared.json"
+    echo "$1-$2-$3,$4,$5,$(field relative_rmse_without_noise compared),$(field flip_ldr compared),$(
         field mean_ratio compared),$(field surfels "$name")"
 }
 field() { sed -n "s/.*\"$1\": *\([0-9.e-]*\).*/\1/p" "$folder/$2.json"; }
 
-# each DO: DO for every line of the table.
+scenes="dominoes still_life yard"
+
+# each DO EFFECT CARRIER...: DO for every line of the table.
 each() {
-    for scene in dominoes still_life yard; do
-        for carrier in surfels volumes volumes-blended screen; do
-            "$1" $scene variant $carrier 4 --occlusion-carrier $carrier
-        done
-        "$1" $scene variant surfels-shells 4 --bounce-radius "$(shell $scene)"
-        "$1" $scene variant surfels-near-off 4 --bounce-radius "$(shell $scene)" --bounce-near-off
-        "$1" $scene variant surfels-plain 4 --surfels-plain
+    what=$1 of=$2
+    shift 2
+    for scene in $scenes; do
+        for carrier in "$@"; do "$what" $of $scene variant $carrier 4 $carrier; done
+        "$what" $of $scene variant surfels-1-level 4 surfels --shell-levels 1
+        "$what" $of $scene variant surfels-shells 4 surfels --bounce-radius "$(shell $scene)"
+        "$what" $of $scene variant surfels-near-off 4 surfels --bounce-radius "$(shell $scene)" --bounce-near-off
+        "$what" $of $scene variant surfels-plain 4 surfels --surfels-plain
     done
     for carrier in surfels volumes screen; do
-        for frames in 1 4 16 64; do
-            "$1" dominoes $carrier-directions $frames $frames --occlusion-carrier $carrier --bounce-filter 0
-        done
+        for frames in 1 4 16 64; do "$what" $of dominoes $carrier-directions $frames $frames $carrier --bounce-filter 0; done
     done
-    for value in 0 1 2 4 8; do "$1" dominoes volumes-filter $value 4 --occlusion-carrier volumes --bounce-filter $value; done
-    for value in 0 1 2 4 8; do "$1" dominoes surfels-filter $value 4 --bounce-filter $value; done
-    for value in 0.05 0.1 0.2 0.4 0.8; do "$1" dominoes shell-radius $value 4 --bounce-radius $value; done
-    for value in 1 2 3 4 6; do "$1" dominoes overlap $value 4 --bounce-overlap $value; done
-    for value in 8 16 32 64 128; do
-        "$1" dominoes screen-steps $value 4 --occlusion-carrier screen --screen-steps $value
+    for carrier in surfels volumes; do
+        for value in 0 1 2 4 8; do "$what" $of dominoes $carrier-filter $value 4 $carrier --bounce-filter $value; done
     done
+    for value in 0.05 0.1 0.2 0.4 0.8; do "$what" $of dominoes shell-radius $value 4 surfels --bounce-radius $value; done
+    for value in 1 2 3 4 6; do "$what" $of dominoes overlap $value 4 surfels --bounce-overlap $value; done
+    for value in 1 2 4 8; do "$what" $of dominoes surfel-size $value 4 surfels --surfel-size $value; done
+    for value in 8 16 32 64 128; do "$what" $of dominoes screen-steps $value 4 screen --screen-steps $value; done
     for value in 0.02 0.05 0.1 0.2 0.5; do
-        "$1" dominoes screen-thickness $value 4 --occlusion-carrier screen --screen-thickness $value
+        "$what" $of dominoes screen-thickness $value 4 screen --screen-thickness $value
     done
 }
-for scene in dominoes still_life yard; do prepare $scene; done
-each picture
+all() {
+    each "$1" occlusion surfels surfels-blended volumes volumes-blended screen
+    each "$1" indirect surfels surfels-blended volumes screen
+}
+for scene in $scenes; do prepare $scene; done
+all picture
 {
     echo "knob,value,frames,relative_rmse,flip_ldr,mean_ratio,surfels"
-    each row
-} | tee "$folder/occlusion.csv"
-sed 's/^[a-z_]*-variant,/variant,/' "$folder/occlusion.csv" | awk -f scripts/curves.awk >docs/images/bounce_occlusion_curves.svg
-set --
-for scene in dominoes still_life yard; do
-    for variant in volumes-blended screen surfels volumes; do set -- "$@" "$folder/$scene-variant-$variant-4.exr"; done
-    set -- "$@" "$folder/$scene-truth.exr"
+    all row
+} | tee "$folder/bounce.csv"
+for effect in occlusion indirect; do
+    sed -n "1p;s/^$effect-[a-z_]*-variant,/variant,/p;s/^$effect-dominoes-//p" "$folder/bounce.csv" |
+        awk -f scripts/curves.awk >docs/images/bounce_${effect}_curves.svg
+    set --
+    for scene in $scenes; do
+        for variant in surfels-blended screen surfels volumes; do set -- "$@" "$folder/$effect-$scene-variant-$variant-4.exr"; done
+        set -- "$@" "$folder/truth-$scene-$effect.exr"
+    done
+    "$bin/picture_sheet" docs/images/bounce_$effect.png "$(brightness $effect)" 5 "$@"
 done
-"$bin/picture_sheet" docs/images/bounce_occlusion.png 1 5 "$@"

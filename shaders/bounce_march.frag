@@ -3,7 +3,7 @@
 // carriers that know what the view does not show.
 //
 // Steps are even in the picture: the share s of the way in it is s w_0 / ((1 - s) w_1 + s w_0) of the way in space, w the
-// clip coordinate of origin and end, which is held in the view. The ray has met a surface where it is behind one by at most
+// clip coordinate of origin and end, which is held in the view. The ray has met a surface where it is behind the plane of one by at most
 // the thickness, which all surfaces are taken to have. Steps begin at random, within one, in each pixel and sample.
 #extension GL_GOOGLE_include_directive : enable
 #include "frame.glsl"
@@ -47,10 +47,11 @@ void main()
         vec4 clip = view_projection * vec4(place, 1.0);
         ivec2 at = ivec2(floor((clip.xy / clip.w * 0.5 + 0.5) * vec2(tile.zw))) - tile.xy;
         if (at == pixel || any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, shell_size.zw))) continue;
-        float shown = texelFetch(geometry, at, 0).w;
+        vec4 shown = texelFetch(geometry, at, 0);
         view_ray(view_pixel(vec2(at) + 0.5), unused, view);
-        float behind = dot(place - unused, view) - shown;
-        if (shown == 0.0 || behind <= 1e-5 * shown || behind > march.y) continue;
+        vec3 path = place - unused - shown.w * view, facing = dot(shown.xyz, shown.xyz) > 0.25 ? shown.xyz : -view; // a host's has no normal
+        float below = -dot(path, facing);
+        if (shown.w == 0.0 || below <= 1e-5 * shown.w || max(below, dot(path, view)) > march.y) continue;
         hit = uint(at.y * shell_size.z + at.x) + 1u;
         gl_FragDepth = min(t * t / (bounce_reach.y * bounce_reach.y), 1.0);
         return;

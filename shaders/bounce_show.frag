@@ -1,7 +1,7 @@
 #version 450 core
 // The mean of all samples of the bounced z-buffer from surfaces, 0 where there is none. AL_FOG: less what the fog takes on
-// its way to the eye. AL_AMBIENT: the light of the environment that the open share of the hemisphere lets through. AL_SUMS:
-// the sum is of what triangles hide.
+// its way to the eye. AL_AMBIENT: the light of the environment that the open share of the hemisphere lets through. AL_HIDDEN:
+// the sum is of what is hidden.
 #extension GL_GOOGLE_include_directive : enable
 #define AL_INDIRECT
 #include "shade.glsl"
@@ -14,7 +14,7 @@ void main()
 {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 sum = texelFetch(light, pixel, 0);
-#ifdef AL_SUMS
+#ifdef AL_HIDDEN
     vec4 place = texelFetch(geometry, pixel, 0);
     bool seen = place.w > 0.0 && dot(place.xyz, place.xyz) > 0.25; // a host's surface has no normal
     sum = seen ? vec4(max(1.0 - sum.rgb, 0.0), 1.0) : vec4(0.0);

@@ -2,6 +2,7 @@
 // Opaque instances and boundaries of translucent objects.
 #extension GL_GOOGLE_include_directive : enable
 #include "frame.glsl"
+#include "cofactor.glsl"
 
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
@@ -21,10 +22,7 @@ void main()
 {
     vec4 here = world * vec4(position, 1.0);
     world_position = here.xyz;
-    // The cofactor matrix, the inverse's transpose times the determinant, whose sign alone matters: right for every
-    // invertible transform.
-    mat3 m = mat3(world), cofactor = mat3(cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1]));
-    world_normal = (dot(m[0], cofactor[0]) < 0.0 ? -1.0 : 1.0) * (cofactor * normal);
+    world_normal = turned_normal(mat3(world), normal);
     surface_uv = uv;
 #ifdef AL_LIGHTMAP
     page_uv = uv1 * page_place.xy + page_place.zw;

@@ -19,8 +19,14 @@ layout(triangles) in;
 layout(triangle_strip, max_vertices = 26) out;
 
 in vec3 world_position[];
-layout(location = 1) uniform float reach; // m
-layout(location = 2) uniform int first;   // number of the draw's first triangle
+layout(location = 6) uniform float reach; // m
+layout(location = 7) uniform int first;   // number of the draw's first triangle
+#ifdef AL_SENDERS
+in vec3 world_normal[];
+in vec2 surface_uv[];
+flat out vec3 corner_normal[3];
+flat out vec2 corner_uv[3];
+#endif
 
 flat out vec3 corner[3]; // m
 flat out int number;
@@ -30,6 +36,10 @@ void emit(vec3 place)
     vec4 near = view_projection_inverse * vec4(0.0, 0.0, -1.0, 1.0);
     corner = vec3[3](world_position[0], world_position[1], world_position[2]);
     number = first + gl_PrimitiveIDIn;
+#ifdef AL_SENDERS
+    corner_normal = vec3[3](world_normal[0], world_normal[1], world_normal[2]);
+    corner_uv = vec2[3](surface_uv[0], surface_uv[1], surface_uv[2]);
+#endif
     gl_Position = view_projection * vec4(place, 1.0);
     gl_Position.z = gl_Position.w - 1.0 / near.w;
     EmitVertex();

@@ -6,7 +6,7 @@
 #include "bounce.glsl"
 #include "triangle.glsl"
 
-layout(binding = 3) uniform sampler2D geometry; // normal, distance; 0: no surface
+layout(binding = 6) uniform sampler2D geometry; // normal, distance; 0: no surface
 
 flat in vec3 corner[3];
 flat in int number;
@@ -23,5 +23,5 @@ void main()
     vec3 from[3] = vec3[3](corner[0] - origin, corner[1] - origin, corner[2] - origin);
     float height;
     if (!may_hide(from, place.xyz, place.w + length(origin), m, height)) discard;
-    hidden = vec4(form_factor(from, place.xyz, m, height, bounce_reach.w));
+    hidden = vec4(vec3(form_factor(from, place.xyz, m, height, bounce_reach.w)), 0.0);
 }

@@ -9,7 +9,7 @@
 
 /* What the parser writes to before it becomes settings. */
 typedef struct raw_options {
-    const char *pass, *view_leg, *second_leg, *scattered, *interval_weights, *occlusion_carrier;
+    const char *pass, *view_leg, *second_leg, *scattered, *interval_weights, *occlusion_carrier, *indirect_carrier;
     int samples, sh_order, intervals, fog_steps, shell_levels, shown_level, second_leg_steps, blur, bounce_samples, surfel_limit,
         bounce_filter, screen_steps, temporal;
     double march_step, shell_epsilon, shell_radius, surfel_size, surfel_margin, bounce_radius, bounce_overlap, occlusion_radius,
@@ -72,12 +72,20 @@ static int set_interval_weights(const al_program *program, const char *word, al_
     return refuse(program, "--interval-weights takes auto, coloured or coefficients, not '%s'", word);
 }
 
-static int set_occlusion_carrier(const al_program *program, const char *word, al_carrier *carrier)
+/* -1, or what a wrong word is answered with. */
+static int set_carrier(const al_program *program, const char *option, const char *word, al_carrier *carrier)
 {
-    static const char *const words[AL_CARRIER_COUNT] = {"surfels", "volumes", "volumes-blended", "screen"};
+    static const char *const words[AL_CARRIER_COUNT] = {"surfels", "surfels-blended", "volumes", "volumes-blended", "screen"};
     for (int i = 0; i < AL_CARRIER_COUNT; i++)
         if (!strcmp(word, words[i])) return *carrier = (al_carrier)i, -1;
-    return refuse(program, "--occlusion-carrier takes surfels, volumes, volumes-blended or screen, not '%s'", word);
+    return refuse(program, "%s takes surfels, surfels-blended, volumes, volumes-blended or screen, not '%s'", option, word);
+}
+
+/* Rays that --pass could show: not by carriers that add up. */
+static bool sends_rays(const al_settings *s)
+{
+    al_carrier carrier = s->indirect ? s->indirect_carrier : s->occlusion_carrier;
+    return s->visibility || (carrier != AL_CARRIER_SURFELS_BLENDED && carrier != AL_CARRIER_VOLUMES_BLENDED);
 }
 
 static int check(const al_program *program, al_play_options *options)
@@ -91,10 +99,11 @@ static int check(const al_program *program, al_play_options *options)
     if (options->plan && (options->out.count || options->stats || options->watch))
         return refuse(program, "--plan writes no files and ends; leave out --out, --stats and --watch");
     const al_settings *s = &options->settings;
-    if (s->occlusion_carrier == AL_CARRIER_VOLUMES_BLENDED && !s->visibility && !s->indirect &&
-        (s->pass == AL_PASS_BOUNCE_RAYS || s->pass == AL_PASS_BOUNCE_HITS))
-        return refuse(program, "--occlusion-carrier volumes-blended sends no rays that --pass %s could show; take another one",
-                      al_pass_name(s->pass));
+    if (s->indirect_carrier == AL_CARRIER_VOLUMES_BLENDED)
+        return refuse(program, "--indirect-carrier takes surfels, surfels-blended, volumes or screen; volumes-blended knows what is "
+                               "hidden, not what is sent");
+    if ((s->pass == AL_PASS_BOUNCE_RAYS || s->pass == AL_PASS_BOUNCE_HITS) && !sends_rays(s))
+        return refuse(program, "blended carriers send no rays that --pass %s could show; take another one", al_pass_name(s->pass));
     if (!options->frames) options->frames = 1;
     if (!(options->fps > 0)) options->fps = 60;
     for (int i = 0; i < options->out.count; i++) {
@@ -158,14 +167,15 @@ static int apply(const al_program *program, const raw_options *raw, al_play_opti
     if (code < 0) code = set_second_leg(program, raw->second_leg, s);
     if (code < 0) code = set_scattered(program, raw->scattered, &s->scattered_off);
     if (code < 0) code = set_interval_weights(program, raw->interval_weights, &s->interval_weights);
-    if (code < 0) code = set_occlusion_carrier(program, raw->occlusion_carrier, &s->occlusion_carrier);
+    if (code < 0) code = set_carrier(program, "--occlusion-carrier", raw->occlusion_carrier, &s->occlusion_carrier);
+    if (code < 0) code = set_carrier(program, "--indirect-carrier", raw->indirect_carrier, &s->indirect_carrier);
     return code < 0 ? check(program, options) : code;
 }
 
 int al_play_options_parse(al_program *program, int argc, char **argv, al_play_options *options)
 {
     raw_options raw = {.pass = "composite", .view_leg = "marched", .second_leg = "marched", .scattered = "on",
-                       .interval_weights = "auto", .occlusion_carrier = "surfels", .blur = -1, .bounce_filter = -1};
+                       .interval_weights = "auto", .occlusion_carrier = "surfels", .indirect_carrier = "surfels", .blur = -1, .bounce_filter = -1};
     *options = (al_play_options){.size = {1280, 720}, .exposure_ev = NAN};
     const al_option table[] = {
         {"--headless", NULL, AL_OPTION_FLAG, &options->headless, "render without a display, then end", 0, 0},
@@ -250,7 +260,9 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
         {"--occlusion-radius", "M", AL_OPTION_REAL, &raw.occlusion_radius, "farther surfaces do not occlude, m (no limit)",
          1e-6, 1e6},
         {"--occlusion-carrier", "KIND", AL_OPTION_STRING, &raw.occlusion_carrier,
-         "what finds what occludes: surfels, volumes, volumes-blended (no z-buffer) or screen (surfels)", 0, 0},
+         "what finds what occludes: surfels or volumes; -blended: no z-buffer; screen (surfels)", 0, 0},
+        {"--indirect-carrier", "KIND", AL_OPTION_STRING, &raw.indirect_carrier,
+         "what finds what sends: surfels, surfels-blended, volumes or screen (surfels)", 0, 0},
         {"--screen-steps", "N", AL_OPTION_INT, &raw.screen_steps, "steps of the screen's march (32)", 1, 1024},
         {"--screen-thickness", "M", AL_OPTION_REAL, &raw.screen_thickness,
          "of the surfaces that it meets, m (1/32 of the scene)", 1e-6, 1e6},

@@ -219,10 +219,12 @@ static void show_surfaces(al_settings *s)
     ImGui::Checkbox("one bounce", &s->indirect);
     ImGui::Checkbox("off matt surfaces alone", &s->indirect_lambert);
     ImGui::Checkbox("ambient occlusion", &s->ambient_occlusion);
-    static const char *const carriers[] = {"surfels", "volumes", "volumes, blended", "screen"};
-    int carrier = (int)s->occlusion_carrier, samples = (int)(s->bounce_samples ? s->bounce_samples : 4);
-    if (ImGui::Combo("occlusion by", &carrier, carriers, AL_CARRIER_COUNT)) s->occlusion_carrier = (al_carrier)carrier;
-    if (carrier == AL_CARRIER_SCREEN) {
+    static const char *const carriers[] = {"surfels", "surfels, blended", "volumes", "volumes, blended", "screen"};
+    int occludes = (int)s->occlusion_carrier, sends = (int)s->indirect_carrier, samples = (int)(s->bounce_samples ? s->bounce_samples : 4);
+    if (ImGui::Combo("bounce by", &sends, carriers, AL_CARRIER_COUNT) && sends != AL_CARRIER_VOLUMES_BLENDED)
+        s->indirect_carrier = (al_carrier)sends;
+    if (ImGui::Combo("occlusion by", &occludes, carriers, AL_CARRIER_COUNT)) s->occlusion_carrier = (al_carrier)occludes;
+    if (occludes == AL_CARRIER_SCREEN || sends == AL_CARRIER_SCREEN) {
         int steps = (int)(s->screen_steps ? s->screen_steps : 32);
         if (ImGui::SliderInt("steps", &steps, 1, 256)) s->screen_steps = (uint32_t)steps;
         float thickness = s->screen_thickness_m;

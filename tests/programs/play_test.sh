@@ -124,6 +124,7 @@ says_plan yes surfels --pass ambient-occlusion
 says_plan no surfels --pass ambient-occlusion --occlusion-carrier screen
 says_plan no indirect
 says_plan yes indirect --indirect
+says_plan no surfels --indirect --indirect-carrier volumes
 says_plan no visibility --visibility # of a scene without fog
 
 # The least that options of real numbers take, as floats hold it.
@@ -140,8 +141,12 @@ for option in --out=b.exr --stats=s.json --watch; do
     fails 2 "--plan writes no files" "$bin/airlight-play" "$work/baked" --plan $option
 done
 for pass in bounce-rays bounce-hits; do
-    fails 2 "sends no rays that --pass $pass" play --pass $pass --occlusion-carrier volumes-blended
+    fails 2 "send no rays that --pass $pass" play --pass $pass --occlusion-carrier volumes-blended
+    fails 2 "send no rays that --pass $pass" play --pass $pass --indirect --indirect-carrier surfels-blended
 done
+fails 2 "--occlusion-carrier takes surfels, surfels-blended" play --occlusion-carrier discs
+fails 2 "--indirect-carrier takes surfels, surfels-blended" play --indirect-carrier discs
+fails 2 "--indirect-carrier takes surfels, surfels-blended, volumes or screen" play --indirect-carrier volumes-blended
 fails 2 "--view-leg takes marched or sh" play --view-leg nonsense
 fails 2 "--scattered takes on or off" play --scattered maybe
 fails 2 "--second-leg takes marched, baked or none" play --second-leg nonsense

@@ -105,6 +105,7 @@ typedef enum al_interval_weights { /* what the view's transmittance interval map
 
 typedef enum al_carrier { /* what finds the surfaces that the bounced z-buffer's rays meet, from surfaces */
     AL_CARRIER_SURFELS = 0,     /* splats of the surfel cloud (Nalbach et al. 2015) */
+    AL_CARRIER_SURFELS_BLENDED, /* without the z-buffer: what every surfel sends or hides is added up (Nalbach et al. 2014) */
     AL_CARRIER_VOLUMES,         /* every triangle, drawn where it may be met: exact (McGuire 2010, with the z-buffer) */
     AL_CARRIER_VOLUMES_BLENDED, /* without the z-buffer: what triangles hide is added up, overlaps twice */
     AL_CARRIER_SCREEN,          /* a march through the view's depths, for comparison: what is out of view is not met */
@@ -161,6 +162,7 @@ typedef struct al_settings {
     float bounce_overlap;        /* what surfels' areas are multiplied by, 0: 3; 1 to 16 */
     bool bounce_near_off;        /* fragments nearer than their level's shell are thrown away */
     al_carrier occlusion_carrier;
+    al_carrier indirect_carrier; /* not AL_CARRIER_VOLUMES_BLENDED, which knows shares of the hemisphere only */
     uint32_t screen_steps;       /* of AL_CARRIER_SCREEN's march, 0: 32; 1 to 1024 */
     float screen_thickness_m;    /* of the surfaces it meets, 0: 1/32 of the scene's extent; 1e-6 to 1e6 */
     float occlusion_radius_m;    /* surfaces farther away do not occlude, 0: no limit; 1e-6 to 1e6 */
