@@ -27,17 +27,19 @@ al_status al_bounce_fit(al_draw *draw, const al_shell_block *shells)
     al_runtime *runtime = draw->runtime;
     al_bounce *bounce = &runtime->bounce;
     al_gl_memory *memory = &runtime->memory;
-    uint32_t width = (uint32_t)shells->size[0], height = (uint32_t)shells->size[1], levels = (uint32_t)shells->counts[0];
+    uint32_t width = (uint32_t)shells->size[0], height = (uint32_t)shells->size[1];
     al_status status = al_gl_buffer_fit(memory, sizeof(al_bounce_block), &bounce->constants, draw->error);
     if (!status)
         status = al_gl_texture_fit(memory, GL_TEXTURE_2D, GL_RGBA32F, (uint32_t)draw->tile[2], (uint32_t)draw->tile[3],
                                    1, &bounce->rays, draw->error);
     if (!status)
-        status = al_gl_texture_fit(memory, GL_TEXTURE_2D_ARRAY, GL_R32UI, width, height, levels, &bounce->hits,
-                                   draw->error);
+        status = al_gl_texture_fit(memory, GL_TEXTURE_2D_ARRAY, GL_R32UI, width, height, 1, &bounce->hits, draw->error);
     if (!status)
-        status = al_gl_texture_fit(memory, GL_TEXTURE_2D_ARRAY, GL_DEPTH_COMPONENT32F, width, height, levels,
-                                   &bounce->depths, draw->error);
+        status = al_gl_texture_fit(memory, GL_TEXTURE_2D_ARRAY, GL_DEPTH_COMPONENT32F, width, height, 1, &bounce->depths,
+                                   draw->error);
+    if (!status && shells->counts[0] > 1)
+        status = al_gl_texture_fit(memory, GL_TEXTURE_2D, GL_RG32UI, (uint32_t)draw->tile[2], (uint32_t)draw->tile[3], 1,
+                                   &bounce->nearest, draw->error);
     if (status) return status;
     if (!bounce->framebuffer) glCreateFramebuffers(1, &bounce->framebuffer);
     glNamedFramebufferTexture(bounce->framebuffer, GL_COLOR_ATTACHMENT0, bounce->hits.id, 0);
@@ -90,25 +92,43 @@ void al_bounce_clear(const al_draw *draw, const al_shell_block *block)
     glViewport(0, 0, block->size[0], block->size[1]);
 }
 
-al_status al_bounce_splat(al_draw *draw, al_stage stage, const al_shell_block *block, const al_gl_texture *span,
-                          const char *choice)
+void al_bounce_bind_hits(const al_bounce *bounce)
 {
-    al_runtime *runtime = draw->runtime;
-    al_bounce *bounce = &runtime->bounce;
-    char defines[64];
-    GLuint program;
-    snprintf(defines, sizeof defines, "#define AL_LEVELS %d\n%s", block->counts[0], choice);
-    al_status status = al_shaders_get(runtime->shaders, "shell.vert bounce.geom bounce.frag", defines, &program,
-                                      draw->error);
-    if (status) return status;
-    al_timing_begin(&runtime->timing, stage);
+    al_gl_bind_texture(AL_UNIT_PASS + 3, bounce->hits.id);
+    al_gl_bind_texture(AL_UNIT_PASS + 4, bounce->depths.id);
+    glBindImageTexture(3, bounce->nearest.id, 0, GL_FALSE, 0, GL_READ_WRITE, GL_RG32UI);
+}
+
+static void draw_level(const al_draw *draw, GLuint program, const al_shell_block *block, const al_gl_texture *span, int32_t level)
+{
     al_bounce_clear(draw, block);
     glUseProgram(program);
-    al_gl_bind_texture(AL_UNIT_PASS, bounce->rays.id);
+    glUniform1i(0, level);
+    al_gl_bind_texture(AL_UNIT_PASS, draw->runtime->bounce.rays.id);
     al_gl_bind_texture(AL_UNIT_PASS + 3, span->id);
     glEnable(GL_DEPTH_TEST);
     if (draw->needs_surfels) al_surfels_draw_points(draw);
     glDisable(GL_DEPTH_TEST);
+}
+
+/* All levels but the last, which has none after it, leave their nearest hits to those that follow. */
+al_status al_bounce_splat(al_draw *draw, al_stage stage, const al_shell_block *block, const al_gl_texture *span,
+                          const char *choice)
+{
+    al_runtime *runtime = draw->runtime;
+    GLuint splat, keep;
+    al_status status = al_shaders_get(runtime->shaders, "shell.vert bounce.geom bounce.frag", choice, &splat, draw->error);
+    if (!status) status = al_shaders_get(runtime->shaders, "bounce_keep.comp", "", &keep, draw->error);
+    if (status) return status;
+    al_timing_begin(&runtime->timing, stage);
+    for (int32_t level = 0; level < block->counts[0]; level++) {
+        draw_level(draw, splat, block, span, level);
+        if (level + 1 == block->counts[0]) break;
+        glUseProgram(keep);
+        glUniform1i(0, level);
+        al_bounce_bind_hits(&runtime->bounce);
+        dispatch(draw->tile + 2);
+    }
     al_timing_end(&runtime->timing);
     return AL_OK;
 }
@@ -125,8 +145,7 @@ static al_status add_light(al_draw *draw)
     al_timing_begin(&runtime->timing, AL_STAGE_BOUNCE_LIGHT);
     glUseProgram(program);
     bind_intervals(draw);
-    al_gl_bind_texture(AL_UNIT_PASS + 3, runtime->bounce.hits.id);
-    al_gl_bind_texture(AL_UNIT_PASS + 4, runtime->bounce.depths.id);
+    al_bounce_bind_hits(&runtime->bounce);
     glBindImageTexture(0, runtime->shells.light.id, 0, GL_TRUE, 0, GL_READ_WRITE, GL_RGBA32F);
     glBindImageTexture(1, runtime->bounce.rays.id, 0, GL_FALSE, 0, GL_READ_ONLY, GL_RGBA32F);
     dispatch(runtime->shells.block.size);
@@ -169,8 +188,7 @@ al_status al_bounce_inspect(al_draw *draw)
     glViewport(0, 0, draw->tile[2], draw->tile[3]);
     glUseProgram(program);
     al_gl_bind_texture(AL_UNIT_PASS, bounce->rays.id);
-    al_gl_bind_texture(AL_UNIT_PASS + 3, bounce->hits.id);
-    al_gl_bind_texture(AL_UNIT_PASS + 4, bounce->depths.id);
+    al_bounce_bind_hits(bounce);
     glUniform1i(0, draw->settings.pass - AL_PASS_BOUNCE_RAYS);
     glBindVertexArray(runtime->empty_vertex_array);
     glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -180,7 +198,7 @@ al_status al_bounce_inspect(al_draw *draw)
 void al_bounce_sweep(al_runtime *runtime)
 {
     al_bounce *bounce = &runtime->bounce;
-    al_gl_texture *const textures[] = {&bounce->rays,     &bounce->hits,  &bounce->depths,  &bounce->span,
+    al_gl_texture *const textures[] = {&bounce->rays,     &bounce->hits,  &bounce->depths,  &bounce->nearest, &bounce->span,
                                        &bounce->arriving, &bounce->light, &bounce->senders, &bounce->glows};
     for (size_t i = 0; i < sizeof textures / sizeof textures[0]; i++)
         al_gl_texture_sweep(&runtime->memory, textures[i]);
@@ -192,5 +210,5 @@ void al_bounce_sweep(al_runtime *runtime)
 uint64_t al_bounce_bytes(const al_runtime *runtime)
 {
     const al_bounce *bounce = &runtime->bounce;
-    return bounce->rays.bytes + bounce->hits.bytes + bounce->depths.bytes + bounce->constants.size;
+    return bounce->rays.bytes + bounce->hits.bytes + bounce->depths.bytes + bounce->nearest.bytes + bounce->constants.size;
 }

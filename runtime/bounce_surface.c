@@ -83,8 +83,7 @@ static al_status run(al_draw *draw, al_stage stage, const char *shader, const ch
     al_gl_bind_texture(AL_UNIT_PASS, bounce->rays.id);
     al_gl_bind_texture(AL_UNIT_PASS + 1, first);
     al_gl_bind_texture(AL_UNIT_PASS + 2, second);
-    al_gl_bind_texture(AL_UNIT_PASS + 3, bounce->hits.id);
-    al_gl_bind_texture(AL_UNIT_PASS + 4, bounce->depths.id);
+    al_bounce_bind_hits(bounce);
     glBindImageTexture(0, bounce->rays.id, 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
     glBindImageTexture(1, bounce->arriving.id, 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
     glBindImageTexture(2, bounce->light.id, 0, GL_FALSE, 0, GL_READ_WRITE, GL_RGBA32F);
@@ -147,9 +146,8 @@ static al_status sum_surfels(al_draw *draw, al_bounce_effect effect, al_stage st
 {
     al_runtime *runtime = draw->runtime;
     GLuint program, framebuffer;
-    char defines[64];
-    snprintf(defines, sizeof defines, "#define AL_LEVELS 1\n%s", effect == AL_BOUNCE_INDIRECT ? "#define AL_INDIRECT\n" : "");
-    al_status status = al_shaders_get(runtime->shaders, "shell.vert bounce.geom bounce_sum.frag", defines, &program, draw->error);
+    const char *choice = effect == AL_BOUNCE_INDIRECT ? "#define AL_INDIRECT\n" : "";
+    al_status status = al_shaders_get(runtime->shaders, "shell.vert bounce.geom bounce_sum.frag", choice, &program, draw->error);
     if (status) return status;
     al_timing_begin(&runtime->timing, stage);
     framebuffer = al_bounce_begin_sum(draw);

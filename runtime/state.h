@@ -160,7 +160,8 @@ typedef enum al_bounce_effect { /* of the bounced z-buffer on seen surfaces */
 } al_bounce_effect;
 
 typedef struct al_bounce { /* the bounced z-buffer of one tile */
-    al_gl_texture rays, hits, depths;
+    al_gl_texture rays, hits, depths; /* hits and depths: of one level at a time, one layer */
+    al_gl_texture nearest;            /* of the levels before it, shaders/bounce_hits.glsl; one level has none */
     GLuint framebuffer;
     al_gl_buffer constants;
     al_gl_texture span, arriving, light; /* from surfaces: their distances' mips; along the rays; samples' sum */
@@ -438,6 +439,7 @@ al_status al_bounce_fit(al_draw *draw, const al_shell_block *shells);
 al_status al_bounce_splat(al_draw *draw, al_stage stage, const al_shell_block *block, const al_gl_texture *span,
                           const char *choice);
 void al_bounce_clear(const al_draw *draw, const al_shell_block *block); /* no hits; ready to draw into all of a level */
+void al_bounce_bind_hits(const al_bounce *bounce); /* for shaders/bounce_hits.glsl */
 al_carrier al_bounce_carrier(const al_draw *draw, al_bounce_effect effect);
 bool al_bounce_sums(const al_draw *draw, al_bounce_effect effect); /* its carrier sends no rays */
 GLuint al_bounce_begin_sum(const al_draw *draw); /* into bounce.light, cleared, of 1 sample, by blending; a framebuffer */

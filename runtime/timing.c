@@ -65,6 +65,7 @@ static void mark(al_timing *timing)
     if (!*query) glCreateQueries(GL_TIMESTAMP, 1, query);
     if (timing->waits) glFinish();
     glQueryCounter(*query, GL_TIMESTAMP);
+    if (timing->waits) glFinish(); /* or it would be taken after work that follows it */
 }
 
 void al_timing_begin(al_timing *timing, al_stage stage)

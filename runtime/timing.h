@@ -56,8 +56,8 @@ typedef struct al_timing {
     al_timing_frame ring[AL_TIMING_RING];
     uint32_t current;
     bool active;                   /* this frame is timed */
-    bool waits;                    /* all work ends before each timestamp: software renderers do vertices outside the
-                                    * queue, whose time would be nobody's; frames take longer */
+    bool waits;                    /* all work ends before each timestamp or begins after it: software renderers do vertices
+                                    * outside the queue, whose time would be nobody's; frames take longer */
     double ms[AL_STAGE_COUNT];     /* of the last frame that came back */
     uint32_t runs[AL_STAGE_COUNT]; /* how often each stage ran in it */
     bool ran[AL_STAGE_COUNT];      /* in the last frame, back or not */

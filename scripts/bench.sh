@@ -85,3 +85,35 @@ if [ -f "${AIRLIGHT_SHARED:-../shared}/data/scenes/tim_cornell/cornell.obj" ]; t
 else
     echo "SKIP: no Cornell box"
 fi
+
+echo "## Bounced z-buffer, 768 x 512: surfels kept, near the view; bytes held"
+if [ -f "${AIRLIGHT_SHARED:-../shared}/data/meshes/c3d_spot.obj" ]; then
+    "$bin/make_bounce_scenes" build/tests/scenes
+    play() { # SCENE OPTIONS...: into stats.json
+        name=$folder/bounce_$1
+        [ -d "$name" ] || "$bin/airlight-bake" "build/tests/scenes/bounce_$1.json" -o "$name" --quiet
+        shift
+        "$bin/airlight-play" "$name" --headless --quiet --size 768x512 --stats "$folder/stats.json" "$@"
+    }
+    bytes() { # STEP: of the plan
+        tr -d '\n' <"$folder/stats.json" | sed "s/.*\"step\": \"$1\"[^}]*\"bytes\": *\([0-9]*\).*/\1/"
+    }
+    while read -r scene size margin; do
+        for pixels in "$size" 4.6; do
+            play "$scene" --pass surfels --surfel-size "$pixels"
+            kept=$(number surfels "$folder/stats.json")
+            play "$scene" --pass surfels --surfel-size "$pixels" --surfel-margin "$margin"
+            echo "| $scene | $pixels | $kept | $(number surfels "$folder/stats.json") |"
+        done
+        for pass in indirect ambient-occlusion; do
+            play "$scene" --pass "$pass" --surfel-size 200 --bounce-samples 1
+            echo "| $scene | $pass | $(bytes "$pass") bytes, the picture $(bytes surface) |"
+        done
+    done <<END
+dominoes 2.29 0.5
+still_life 2.28 0.1
+yard 2.17 0.25
+END
+else
+    echo "SKIP: no meshes"
+fi

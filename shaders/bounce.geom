@@ -1,6 +1,6 @@
 #version 450 core
-// The shells of one surfel for the bounced z-buffer: as shell.geom's, but of one radius for all surfels, as dark ones
-// block too.
+// The shell of one surfel in a level of the bounced z-buffer: as shell.geom's, but of one radius for all surfels, as dark
+// ones block too.
 #extension GL_GOOGLE_include_directive : enable
 #include "frame.glsl"
 #include "splat_quad.glsl"
@@ -10,8 +10,10 @@
 #include "surfel_edges.glsl"
 #endif
 
-layout(points, invocations = AL_LEVELS) in;
+layout(points) in;
 layout(triangle_strip, max_vertices = 4) out;
+
+layout(location = 0) uniform int level;
 
 flat in int surfel[];
 flat out vec4 disc;   // xyz: middle; w: radius squared at level 0, enlarged
@@ -26,7 +28,6 @@ flat out vec3 heights;
 void main()
 {
     Surfel s = surfels[surfel[0]];
-    int level = gl_InvocationID;
     vec2 radii = shell_radii(bounce_reach.x, level);
     float widest = sqrt(s.place.w / 3.14159265 * bounce_reach.z) * float(1 << level);
 #ifdef AL_SURFACE
@@ -45,7 +46,6 @@ void main()
         for (int k = 0; k < 3; k++) edges[k] = vec4(e.normals[k], e.distances[k]);
         heights = e.heights;
 #endif
-        gl_Layer = level;
         gl_Position = vec4((i & 1) == 0 ? bounds.x : bounds.z, (i & 2) == 0 ? bounds.y : bounds.w, 0.0, 1.0);
         EmitVertex();
     }
