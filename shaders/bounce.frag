@@ -4,14 +4,16 @@
 // A surfel whose middle lies in the shell stands for 4^l surfels, so its disc has 2^l times the radius. Nearer ones,
 // which a finer level takes, are tested too, as large as they are there: the same fragment, fewer gaps.
 //
-// AL_SURFACE: discs end where their triangle ends, at each of its edges over which it is at least a radius high, two in the
-// coarser levels, which are dealt few of its surfels (in a finer mesh discs stand for the triangles around too). Half a disc at an edge covers half as much, so its radius
-// squared grows by 1 / (1/2 + d/2r) for each edge at a distance d < r. What ends at all three edges pokes out nowhere and
-// may be twice as large, so that fewer rays pass between discs.
+// AL_SURFACE: discs end where their triangle ends, at each of its edges over which it is at least a radius high; in a finer
+// mesh they stand for the triangles around too. A disc that ends at all three edges pokes out nowhere: it gets four times the overlap
+// of area, so that next to no ray passes between such discs. Others get no overlap: where discs poke out, being larger darkens more
+// than gaps brighten. But those of parts of huge triangles poke out over what is flat, and in coarser levels, which are dealt few of
+// a triangle's surfels, gaps let more pass: these get the overlap, and coarser ones end where the triangle is two radii high. Half a disc at an edge covers half as much, so its radius squared grows by
+// 1 / (1/2 + d/2r) for each edge at a distance d < r.
 //
 // The rays begin on surfaces, which surfels stand for too: discs of the own one float a little above the
 // origin where it is curved, and pass through it by rounding where it is flat. A disc that the origin lies on does not
-// count: at most 0.3 of its radius above or below, 0.02 where it ends at all edges, inside its rim, and turned as the surface
+// count: at most 0.3 of its radius above or below, 0.014 where it ends at all edges, inside its rim, and turned as the surface
 // by 60 degrees at most. A disc that touches a sphere of radius R is R/2 (r/R)^2 off at its rim: 0.3 r up to r = 0.6 R.
 #extension GL_GOOGLE_include_directive : enable
 #include "frame.glsl"
@@ -28,7 +30,7 @@ flat in vec4 shell;
 flat in int number;
 #ifdef AL_SURFACE
 flat in vec4 edges[3]; // of the triangle: normal, distance in m
-flat in vec3 heights;  // over them, m
+flat in vec4 heights;  // over them, m; w: 1 a part of a huge triangle
 #endif
 layout(location = 0) out uint hit; // number of the surfel, from 1
 
@@ -37,16 +39,21 @@ bool lies_on(ivec2 pixel, vec3 path, float radius2, bool whole)
 {
     float height = dot(facing, path), across2 = dot(path, path) - height * height;
     vec3 normal = texelFetch(geometry, pixel, 0).xyz;
-    return across2 <= radius2 && height * height <= (whole ? 0.0004 : 0.09) * radius2 && abs(dot(normal, facing)) > 0.5;
+    return across2 <= radius2 && height * height <= (whole ? 0.0002 : 0.09) * radius2 && abs(dot(normal, facing)) > 0.5;
 }
 
 // Whether `off`, from the disc's middle, is behind an edge; otherwise its radius squared, and whether all edges end it.
 bool passes_edge(vec3 off, float scale, inout float radius2, out bool whole)
 {
+    bool coarse = scale > 1.0, overlaps = coarse || heights.w > 0.0;
+    if (!overlaps) radius2 /= bounce_reach.z;
     float radius = sqrt(radius2);
-    bvec3 ends = greaterThanEqual(heights, vec3(scale > 1.0 ? 2.0 * radius : radius));
+    bvec3 ends = greaterThanEqual(heights.xyz, vec3(coarse ? 2.0 * radius : radius));
     whole = all(ends);
-    if (whole) radius2 *= 2.0;
+    if (whole) {
+        radius2 *= overlaps ? 4.0 : 4.0 * bounce_reach.z;
+        radius = sqrt(radius2);
+    }
     for (int i = 0; i < 3; i++) {
         if (!ends[i]) continue;
         if (dot(off, edges[i].xyz) > edges[i].w) return true;

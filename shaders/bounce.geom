@@ -22,7 +22,7 @@ flat out vec4 shell;  // inner and outer radius squared; 4^l; l
 flat out int number;
 #ifdef AL_SURFACE
 flat out vec4 edges[3]; // of the triangle: normal, distance in m
-flat out vec3 heights;
+flat out vec4 heights; // over them, m; w: 1 a part of a huge triangle
 #endif
 
 void main()
@@ -31,7 +31,7 @@ void main()
     vec2 radii = shell_radii(bounce_reach.x, level);
     float widest = sqrt(s.place.w / 3.14159265 * bounce_reach.z) * float(1 << level);
 #ifdef AL_SURFACE
-    widest *= 4.0; // beside its triangle's edges
+    widest *= 6.0; // of those that end at all edges, beside them
     Edges e = unpack_edges(s.edges, s.facing.xyz, s.place.w);
 #endif
     radii.y = min(radii.y, bounce_reach.w + widest); // a disc farther away is hit farther away
@@ -44,7 +44,7 @@ void main()
         number = surfel[0] + 1;
 #ifdef AL_SURFACE
         for (int k = 0; k < 3; k++) edges[k] = vec4(e.normals[k], e.distances[k]);
-        heights = e.heights;
+        heights = vec4(e.heights, e.part ? 1.0 : 0.0);
 #endif
         gl_Position = vec4((i & 1) == 0 ? bounds.x : bounds.z, (i & 2) == 0 ? bounds.y : bounds.w, 0.0, 1.0);
         EmitVertex();

@@ -21,6 +21,7 @@ layout(location = 1) uniform vec4 base;     // rgb, metallic
 layout(location = 2) uniform vec4 emission; // rgb in W/(m2 sr), roughness
 layout(location = 3) uniform vec4 optics;   // x: dielectric reflectance along the normal; y: 1 double-sided
 layout(location = 4) uniform ivec4 maps;    // which of the textures exist
+layout(location = 5) uniform ivec3 choice;  // y: 1 these are parts of huge triangles
 layout(location = 9) uniform float margin;  // m, 0: surfels may be anywhere
 
 in vec3 fine_position[];
@@ -79,7 +80,8 @@ void main()
     facing = vec4(fine_normal[0], roughness);
     diffuse = vec4(color * (1.0 - metallic), pack_color(mix(vec3(optics.x), color, metallic)));
     glow = vec4(light, optics.y);
-    edges = pack_edges(vec3[3](first_corner[0], second_corner[0], third_corner[0]), fine_position[0], fine_normal[0], area);
+    edges = pack_edges(vec3[3](first_corner[0], second_corner[0], third_corner[0]), choice.y != 0, fine_position[0],
+                       fine_normal[0], area);
     EmitStreamVertex(1);
     EndStreamPrimitive(1);
 }

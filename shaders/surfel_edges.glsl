@@ -1,7 +1,7 @@
 // Where a surfel's triangle ends, so that its disc need not poke out over it: of each edge the angle of its outward normal
 // in the triangle's plane, in the axes across the surfel's normal, its distance to the surfel and the triangle's height over
 // it, both beside the root of the surfel's area A. Four words: angle (16 bits) and distance (half) of each edge; the
-// heights' binary logarithms in eighths, 8 bits each.
+// heights' binary logarithms in eighths, 8 bits each, and whether it is a part of a huge triangle, whose surfels go on beyond.
 #ifndef AL_SURFEL_EDGES_GLSL
 #define AL_SURFEL_EDGES_GLSL
 
@@ -10,12 +10,13 @@
 struct Edges {
     vec3 normals[3];
     vec3 distances, heights; // m
+    bool part;
 };
 
-uvec4 pack_edges(vec3 corners[3], vec3 place, vec3 facing, float area)
+uvec4 pack_edges(vec3 corners[3], bool part, vec3 place, vec3 facing, float area)
 {
     vec3 x, y;
-    uvec4 packed_edges = uvec4(0u);
+    uvec4 packed_edges = uvec4(0u, 0u, 0u, part ? 1u << 24 : 0u);
     axes_across(facing, x, y);
     for (int e = 0; e < 3; e++) {
         vec3 a = corners[e], along = corners[(e + 1) % 3] - a, n = cross(along, facing);
@@ -35,6 +36,7 @@ Edges unpack_edges(uvec4 packed_edges, vec3 facing, float area)
 {
     vec3 x, y;
     Edges edges;
+    edges.part = packed_edges.w >> 24 != 0u;
     axes_across(facing, x, y);
     for (int e = 0; e < 3; e++) {
         float angle = (float(packed_edges[e] >> 16) + 0.5) * (2.0 * AL_PI / 65536.0);

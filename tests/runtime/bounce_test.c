@@ -83,8 +83,10 @@ static double from_half(uint32_t bits)
 
 /* bounce.frag's and surfel_edges.glsl's rules: whether `off` lies behind an edge of the triangle; otherwise the disc's radius
  * squared, and whether all edges end it. How near to an edge, relative. */
-static bool passes_edge(const surfel *s, const double off[3], double *radius2, bool *whole, double *doubt)
+static bool passes_edge(const surfel *s, const double off[3], double overlap, double *radius2, bool *whole, double *doubt)
 {
+    bool overlaps = s->edges[3] >> 24; /* parts of huge triangles */
+    if (!overlaps) *radius2 /= overlap;
     double n[3] = {s->facing[0], s->facing[1], s->facing[2]}, radius = sqrt(*radius2), root = sqrt(s->place[3]);
     double sign = n[2] < 0 ? -1 : 1, a = -1 / (sign + n[2]), b = n[0] * n[1] * a;
     double x[3] = {1 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]}, y[3] = {b, sign + n[1] * n[1] * a, -n[1]};
@@ -96,7 +98,8 @@ static bool passes_edge(const surfel *s, const double off[3], double *radius2, b
         *doubt = fmin(*doubt, fabs(height / radius - 1));
     }
     *whole = ends[0] && ends[1] && ends[2];
-    if (*whole) *radius2 *= 2;
+    if (*whole) *radius2 *= overlaps ? 4 : 4 * overlap;
+    radius = sqrt(*radius2);
     for (int e = 0; e < 3; e++) {
         if (!ends[e]) continue;
         double angle = ((s->edges[e] >> 16) + 0.5) * 2 * AL_PI / 65536, apart = from_half(s->edges[e] & 0xffff) * root;
@@ -111,7 +114,7 @@ static bool passes_edge(const surfel *s, const double off[3], double *radius2, b
 /* The surface that the ray begins on has this disc: bounce.frag's rule. How near to it, relative. */
 static bool lies_on(const ray *r, const surfel *s, double radius2, bool whole, double *doubt)
 {
-    const double most = whole ? 0.0004 : 0.09;
+    const double most = whole ? 0.0002 : 0.09;
     double height = 0, across2 = 0, turned = 0;
     for (int k = 0; k < 3; k++) {
         double path = r->origin[k] - s->place[k];
@@ -125,11 +128,11 @@ static bool lies_on(const ray *r, const surfel *s, double radius2, bool whole, d
     return across2 <= radius2 && height * height <= most * radius2 && fabs(turned) > 0.5;
 }
 
-/* Distance at which the ray meets the disc of `radius2`, INFINITY where it does not; how near its rim, relative; the
- * cosine between them. */
-static double meet(const ray *r, const surfel *s, double radius2, double *rim, double *cosine)
+/* Distance at which the ray meets the disc, INFINITY where it does not; how near its rim, relative; the cosine between
+ * them. */
+static double meet(const ray *r, const surfel *s, double overlap, double *rim, double *cosine)
 {
-    double slope = 0, away = 0, squared = 0, off[3], edge_doubt = 1, own_doubt = 1;
+    double radius2 = s->place[3] / AL_PI * overlap, slope = 0, away = 0, squared = 0, off[3], edge_doubt = 1, own_doubt = 1;
     bool whole = false, hidden = false, surface = dot(r->normal, r->normal) > 0;
     for (int k = 0; k < 3; k++) {
         slope += s->facing[k] * r->direction[k];
@@ -141,7 +144,7 @@ static double meet(const ray *r, const surfel *s, double radius2, double *rim, d
         off[k] = r->origin[k] + t * r->direction[k] - s->place[k];
         squared += off[k] * off[k];
     }
-    if (surface) hidden = passes_edge(s, off, &radius2, &whole, &edge_doubt);
+    if (surface) hidden = passes_edge(s, off, overlap, &radius2, &whole, &edge_doubt);
     if (surface) hidden = lies_on(r, s, radius2, whole, &own_doubt) || hidden;
     *rim = fabs(squared / radius2 - 1);
     if (t > 0 && squared <= radius2 * 2.001) *rim = fmin(*rim, fmin(edge_doubt, own_doubt));
@@ -172,7 +175,7 @@ static void check_frame(const al_runtime *runtime, float overlap, bool surface)
         uint32_t found = 0, at = i / EDGE * width + i % EDGE;
         double nearest = INFINITY, rim, closest_rim = 1, cosine, slope = 1;
         for (uint32_t s = 0; s < count; s++) {
-            double t = meet(&r, &surfels[s], surfels[s].place[3] / AL_PI * overlap, &rim, &cosine);
+            double t = meet(&r, &surfels[s], (double)overlap, &rim, &cosine);
             closest_rim = fmin(closest_rim, rim);
             if (t >= nearest) continue;
             nearest = t;
