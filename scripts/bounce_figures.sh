@@ -1,7 +1,7 @@
 #!/bin/sh
 # How far light between surfaces is off in three scenes (many boxes on a floor, a still life, a dense yard), ambient occlusion and
-# light of one bounce, by what finds the other surfaces and over the player's knobs. Draws docs/images/bounce_EFFECT.png and
-# bounce_EFFECT_curves.svg and writes one table, FOLDER/bounce.csv: effect and knob, value, frames, relative RMSE (the truth's
+# light of one bounce, by what finds the other surfaces; and ambient occlusion over the player's knobs. Draws
+# docs/images/bounce_EFFECT.png and bounce_occlusion_curves.svg and writes one table, FOLDER/bounce.csv: effect and knob, value, frames, relative RMSE (the truth's
 # noise taken out), FLIP (clamped sRGB), sum over truth, surfels. A frame is one direction a pixel, from another place in it.
 # usage: scripts/bounce_figures.sh [FOLDER [SAMPLES_PER_PIXEL]] (default out/bounce and 32: each carries 32 rays)
 # Pictures and truth stay in FOLDER and are not made again: an empty one makes all. AIRLIGHT_SHARED names the folder of
@@ -81,8 +81,8 @@ field() { sed -n "s/.*\"$1\": *\([0-9.e-]*\).*/\1/p" "$folder/$2.json"; }
 
 scenes="dominoes still_life yard"
 
-# each DO EFFECT CARRIER...: DO for every line of the table.
-each() {
+# variants DO EFFECT CARRIER...: DO for every line of the table on what finds other surfaces.
+variants() {
     what=$1 of=$2
     shift 2
     for scene in $scenes; do
@@ -92,23 +92,29 @@ each() {
         "$what" $of $scene variant surfels-near-off 4 surfels --bounce-radius "$(shell $scene)" --bounce-near-off
         "$what" $of $scene variant surfels-plain 4 surfels --surfels-plain
     done
+}
+
+# knobs DO EFFECT: DO for every line on a knob.
+knobs() {
+    what=$1 of=$2
     for carrier in surfels volumes screen; do
-        for frames in 1 4 16 64; do "$what" $of dominoes $carrier-directions $frames $frames $carrier --bounce-filter 0; done
+        for frames in 1 4 16; do "$what" $of dominoes $carrier-directions $frames $frames $carrier --bounce-filter 0; done
     done
     for carrier in surfels volumes; do
         for value in 0 1 2 4 8; do "$what" $of dominoes $carrier-filter $value 4 $carrier --bounce-filter $value; done
     done
     for value in 0.05 0.1 0.2 0.4 0.8; do "$what" $of dominoes shell-radius $value 4 surfels --bounce-radius $value; done
     for value in 1 2 3 4 6; do "$what" $of dominoes overlap $value 4 surfels --bounce-overlap $value; done
-    for value in 1 2 4 8; do "$what" $of dominoes surfel-size $value 4 surfels --surfel-size $value; done
+    for value in 2 4 8; do "$what" $of dominoes surfel-size $value 4 surfels --surfel-size $value; done
     for value in 8 16 32 64 128; do "$what" $of dominoes screen-steps $value 4 screen --screen-steps $value; done
     for value in 0.02 0.05 0.1 0.2 0.5; do
         "$what" $of dominoes screen-thickness $value 4 screen --screen-thickness $value
     done
 }
 all() {
-    each "$1" occlusion surfels surfels-blended volumes volumes-blended screen
-    each "$1" indirect surfels surfels-blended volumes screen
+    variants "$1" occlusion surfels surfels-blended volumes volumes-blended screen
+    variants "$1" indirect surfels surfels-blended volumes screen
+    knobs "$1" occlusion
 }
 for scene in $scenes; do prepare $scene; done
 all picture
@@ -116,9 +122,8 @@ all picture
     echo "knob,value,frames,relative_rmse,flip_ldr,mean_ratio,surfels"
     all row
 } | tee "$folder/bounce.csv"
+sed -n '1p;s/^occlusion-dominoes-//p' "$folder/bounce.csv" | awk -f scripts/curves.awk >docs/images/bounce_occlusion_curves.svg
 for effect in occlusion indirect; do
-    sed -n "1p;s/^$effect-[a-z_]*-variant,/variant,/p;s/^$effect-dominoes-//p" "$folder/bounce.csv" |
-        awk -f scripts/curves.awk >docs/images/bounce_${effect}_curves.svg
     set --
     for scene in $scenes; do
         for variant in surfels-blended screen surfels volumes; do set -- "$@" "$folder/$effect-$scene-variant-$variant-4.exr"; done

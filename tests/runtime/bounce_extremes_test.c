@@ -220,7 +220,7 @@ static void test_alone(void)
 static void test_ball(void)
 {
     al_view view = look(EDGE, EDGE, 1);
-    const float pixel_m = 2 * 3.7f * tanf(0.4f) / EDGE, pixels = 0.3f * 0.4f / sqrtf(3) / pixel_m;
+    const float pixel_m = 2 * 3.7f * tanf(0.4f) / EDGE, pixels = 0.3f * 0.4f / pixel_m;
     al_settings settings = {.pass = AL_PASS_INDIRECT, .surfel_pixels = pixels, .shell_levels = 1};
     open_room(&(room){.subject = BALL, .lamp = 1, .roughness = 0.5f});
     float *light = draw(&view, &settings);

@@ -159,7 +159,7 @@ typedef struct al_settings {
     /* The bounced z-buffer, of the medium and of surfaces. */
     uint32_t bounce_samples;     /* directions a pixel, 0: 4; 1 to 64 */
     float bounce_radius_m;       /* of its innermost shell, 0: 1/32 of the scene's extent, from surfaces 1/4 */
-    float bounce_overlap;        /* what surfels' areas are multiplied by, 0: 3; 1 to 16 */
+    float bounce_overlap;        /* what surfels' areas are multiplied by, of surfaces where they poke out nowhere; 0: 3; 1 to 16 */
     bool bounce_near_off;        /* fragments nearer than their level's shell are thrown away */
     al_carrier occlusion_carrier;
     al_carrier indirect_carrier; /* not AL_CARRIER_VOLUMES_BLENDED, which knows shares of the hemisphere only */
