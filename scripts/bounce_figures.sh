@@ -113,8 +113,8 @@ knobs() {
 }
 all() {
     variants "$1" occlusion surfels surfels-blended volumes volumes-blended screen
-    variants "$1" indirect surfels surfels-blended volumes screen
     knobs "$1" occlusion
+    variants "$1" indirect surfels surfels-blended volumes screen
 }
 for scene in $scenes; do prepare $scene; done
 all picture
