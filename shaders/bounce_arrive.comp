@@ -4,8 +4,7 @@
 // light; of a triangle (AL_TRACED), lit at the place that is met; or what the picture shows of the surface (AL_SHOWN).
 //
 // AL_GLOSSY: a sender sends more than Lambert's light: F (G1 G1 D/(4 cos cos) - albedo/pi) cos E of each light (brdf.glsl), lit
-// at the place that is met. A lobe narrower than what the ray stands for would be met seldom and
-// glare: it is widened to the solid angle 1/(n p) of one of n rays of density p, of which a microfacet turns through half
+// at the place that is met. A lobe narrower than what the ray stands for would be met seldom and glare: it is widened to the solid angle 1/(n p) of one of n rays of density p, of which a microfacet turns through half
 // the angle: alpha^2 + 1/(4 pi n p).
 #extension GL_GOOGLE_include_directive : enable
 #include "frame.glsl"

@@ -249,7 +249,7 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
         {"--bounce-samples", "N", AL_OPTION_INT, &raw.bounce_samples, "directions a pixel of --visibility, --indirect and ambient occlusion (4)", 1, 64},
         {"--bounce-radius", "M", AL_OPTION_REAL, &raw.bounce_radius, "radius of their innermost shell in m (1/32 of the scene, from surfaces 1/4)", 1e-6,
          1e6},
-        {"--bounce-overlap", "F", AL_OPTION_REAL, &raw.bounce_overlap, "what their surfels' areas are multiplied by (3)", 1, 16},
+        {"--bounce-overlap", "F", AL_OPTION_REAL, &raw.bounce_overlap, "what their discs' areas are multiplied by, on surfaces where they do not poke out (3)", 1, 16},
         {"--bounce-near-off", NULL, AL_OPTION_FLAG, &raw.bounce_near_off, "they throw near fragments away", 0, 0},
         {"--bounce-filter", "N", AL_OPTION_INT, &raw.bounce_filter,
          "pixels to each side whose rays a surface takes too, 0: none (2)", 0, 16},
