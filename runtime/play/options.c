@@ -72,13 +72,14 @@ static int set_interval_weights(const al_program *program, const char *word, al_
     return refuse(program, "--interval-weights takes auto, coloured or coefficients, not '%s'", word);
 }
 
-/* -1, or what a wrong word is answered with. */
-static int set_carrier(const al_program *program, const char *option, const char *word, al_carrier *carrier)
+/* -1, or what a wrong word is answered with. `hides`: of what is hidden; blended volumes know nothing of what is sent. */
+static int set_carrier(const al_program *program, const char *option, const char *word, bool hides, al_carrier *carrier)
 {
     static const char *const words[AL_CARRIER_COUNT] = {"surfels", "surfels-blended", "volumes", "volumes-blended", "screen"};
     for (int i = 0; i < AL_CARRIER_COUNT; i++)
-        if (!strcmp(word, words[i])) return *carrier = (al_carrier)i, -1;
-    return refuse(program, "%s takes surfels, surfels-blended, volumes, volumes-blended or screen, not '%s'", option, word);
+        if (!strcmp(word, words[i]) && (hides || i != AL_CARRIER_VOLUMES_BLENDED)) return *carrier = (al_carrier)i, -1;
+    return refuse(program, "%s takes surfels, surfels-blended, volumes%s or screen, not '%s'", option,
+                  hides ? ", volumes-blended" : "", word);
 }
 
 /* Rays that --pass could show: not by carriers that add up. */
@@ -99,9 +100,6 @@ static int check(const al_program *program, al_play_options *options)
     if (options->plan && (options->out.count || options->stats || options->watch))
         return refuse(program, "--plan writes no files and ends; leave out --out, --stats and --watch");
     const al_settings *s = &options->settings;
-    if (s->indirect_carrier == AL_CARRIER_VOLUMES_BLENDED)
-        return refuse(program, "--indirect-carrier takes surfels, surfels-blended, volumes or screen; volumes-blended knows what is "
-                               "hidden, not what is sent");
     if ((s->pass == AL_PASS_BOUNCE_RAYS || s->pass == AL_PASS_BOUNCE_HITS) && !sends_rays(s))
         return refuse(program, "blended carriers send no rays that --pass %s could show; take another one", al_pass_name(s->pass));
     if (!options->frames) options->frames = 1;
@@ -167,8 +165,8 @@ static int apply(const al_program *program, const raw_options *raw, al_play_opti
     if (code < 0) code = set_second_leg(program, raw->second_leg, s);
     if (code < 0) code = set_scattered(program, raw->scattered, &s->scattered_off);
     if (code < 0) code = set_interval_weights(program, raw->interval_weights, &s->interval_weights);
-    if (code < 0) code = set_carrier(program, "--occlusion-carrier", raw->occlusion_carrier, &s->occlusion_carrier);
-    if (code < 0) code = set_carrier(program, "--indirect-carrier", raw->indirect_carrier, &s->indirect_carrier);
+    if (code < 0) code = set_carrier(program, "--occlusion-carrier", raw->occlusion_carrier, true, &s->occlusion_carrier);
+    if (code < 0) code = set_carrier(program, "--indirect-carrier", raw->indirect_carrier, false, &s->indirect_carrier);
     return code < 0 ? check(program, options) : code;
 }
 

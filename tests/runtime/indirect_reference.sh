@@ -3,7 +3,7 @@
 # FLOOR: diffuse, metal_alpha_0.04 or metal_alpha_0.25. The reference's senders are matt.
 #
 # Bounds on the relative RMSE with the reference's noise taken out: what is asked by surfels, 5 % of matt walls (measured 4.6 %, with one
-# level) and 10 % of metal floors (6.1 %, with six); by volumes, of which noise alone is left, 5 % (3.6 to 4.0 %).
+# level) and 10 % of metal floors (5.3 and 6.1 %, with six); by volumes, of which noise alone is left, 5 % (3.6 to 4.0 %).
 set -u
 bin=$1
 reference=$2/reference
