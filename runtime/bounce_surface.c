@@ -258,7 +258,7 @@ static al_status take_samples(al_draw *draw, al_bounce_effect effect, const al_s
     return status ? status : al_history_run(draw, effect);
 }
 
-/* Of a picture that shows nothing else what the screen's march needed goes again. */
+/* Shaded surfaces, whose light the screen's march took, are not part of a picture of what is reflected alone. */
 static void clear_shown(const al_draw *draw)
 {
     static const float black[4] = {0, 0, 0, 1};
@@ -281,7 +281,7 @@ al_status al_bounce_surface(al_draw *draw, al_bounce_effect effect)
     glBindBufferBase(GL_UNIFORM_BUFFER, 4, bounce->constants.id);
     if (carrier != AL_CARRIER_SCREEN) status = al_span_run(draw, first_stage(effect), &shells, &bounce->span, "#define AL_SURFACE\n");
     if (!status) status = sums ? add_up(draw, effect, &shells) : take_samples(draw, effect, &shells, block);
-    if (!status && draw->settings.pass == AL_PASS_INDIRECT) clear_shown(draw);
+    if (!status && carrier == AL_CARRIER_SCREEN && draw->settings.pass == AL_PASS_INDIRECT) clear_shown(draw);
     return status ? status : add(draw, effect);
 }
 
