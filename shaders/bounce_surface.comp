@@ -2,9 +2,9 @@
 // One ray per pixel from the seen surface, and the density in 1/sr with which its direction was drawn. A direction from
 // which the surface takes nothing, below it, is kept with its density, but no ray goes there.
 //
-// Blocks of 4 x 4 pixels share one sequence of pairs, as in bounce_drawn: multiples of the powers of 1/1.3247..., the smallest
-// Pisot number, which fill the square evenly at every length (Roberts 2018), begun at random in each block. A sample takes
-// sixteen of them, one a pixel, and the sequence goes on through samples and frames.
+// The pairs are a lattice over pixels and samples: x (g, g^2) + y (g^3, g^4) + n (h, h^2) mod 1, with g = 1/1.1673... and
+// h = 1/1.3247..., the roots of g^5 + g^4 = 1 and h^3 + h^2 = 1 that Roberts (2018) takes to fill four and two dimensions evenly.
+// Those of one pixel over samples and frames, and those of any window of pixels, cover the square without clumps.
 #extension GL_GOOGLE_include_directive : enable
 #include "bounce_receiver.glsl"
 
@@ -14,9 +14,10 @@ layout(binding = 1, rgba32f) writeonly uniform image2D arriving; // a: density
 
 vec2 drawn_pair(ivec2 pixel)
 {
-    uint number = uint(shell_counts.z * bounce_sample.y + bounce_sample.x) << 4 | uint((pixel.y & 3) << 2 | (pixel.x & 3));
-    uint bits = hash(uint(pixel.x >> 2), uint(pixel.y >> 2), 0x5bd1e995u);
-    return vec2(unit_float(bits + number * 3242174889u), unit_float(mix_bits(bits) + number * 2447445414u));
+    uint number = uint(shell_counts.z * bounce_sample.y + bounce_sample.x);
+    uvec2 bits = uint(pixel.x) * uvec2(3679390609u, 3152041523u) + uint(pixel.y) * uvec2(2700274806u, 2313257605u) +
+                 number * uvec2(3242174889u, 2447445414u);
+    return vec2(unit_float(bits.x), unit_float(bits.y));
 }
 
 void main()
