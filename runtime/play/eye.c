@@ -106,14 +106,12 @@ void al_eye_zoom(al_eye *eye, float factor)
     glm_vec3_lerp(eye->target, eye->position, factor, eye->position);
 }
 
-void al_jitter(unsigned index, float offset[2])
+void al_jitter(unsigned index, unsigned count, float offset[2])
 {
-    /* 1/p and 1/p^2 of the plastic number p, p^3 = p + 1 */
-    static const double steps[2] = {0.75487766624669276, 0.56984029099805327};
-    for (int i = 0; i < 2; i++) {
-        double at = 0.5 + index * steps[i];
-        offset[i] = (float)(at - floor(at) - 0.5);
-    }
+    static const double golden = 0.61803398874989485;
+    double from_middle = index + 0.5 - 0.5 * count, turns = from_middle * golden;
+    offset[0] = (float)(from_middle / count);
+    offset[1] = (float)(turns - round(turns));
 }
 
 /* Distances along the view from the nearest to the farthest point of the box; the near plane keeps a ratio of

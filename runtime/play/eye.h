@@ -30,10 +30,9 @@ void al_eye_move(al_eye *eye, float right, float up, float forward);
 /* Multiplies the distance to the target. */
 void al_eye_zoom(al_eye *eye, float factor);
 
-/* Subpixel offset of frame `index`, in pixels within [-0.5, 0.5): frame 0 is the pixel's centre. The points
- * of the additive recurrence with the plastic number fill the box evenly for every count (M. Roberts, "The
- * unreasonable effectiveness of quasirandom sequences", 2018). */
-void al_jitter(unsigned index, float offset[2]);
+/* Subpixel offset of frame `index` of `count`, in pixels within [-0.5, 0.5]: a lattice by the golden ratio, even for every count
+ * and its own mirror image about the pixel's centre, so that the frames' mean shifts nothing. One frame: the centre. */
+void al_jitter(unsigned index, unsigned count, float offset[2]);
 
 /* Near and far planes enclose the bounds as seen from the eye. */
 al_view al_eye_view(const al_eye *eye, const al_bounds *bounds, const float offset[2], uint32_t width,

@@ -79,7 +79,7 @@ static al_status draw(session *s, al_error *error)
     settings.progress = on_tile;
     settings.progress_user = s;
     if (s->options->accumulate) {
-        al_jitter(s->frame, offset);
+        al_jitter(s->frame, s->options->frames, offset);
         settings.surfel_seed = s->frame;
     }
     al_view view = al_eye_view(&s->eye, &s->bounds, offset, s->target.width, s->target.height);
