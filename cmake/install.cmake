@@ -2,7 +2,8 @@
 # and the pkg-config files airlight-formats and airlight-runtime.
 include(CMakePackageConfigHelpers)
 
-set(programs airlight-bake airlight-play airlight-inspect airlight-reference airlight-compare airlight-tetrahedra)
+set(programs airlight-bake airlight-play airlight-inspect airlight-reference airlight-compare airlight-tetrahedra
+  airlight-trade)
 foreach(program IN LISTS programs)
   if(TARGET ${program})
     install(TARGETS ${program} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
