@@ -16,7 +16,7 @@ foreach(library formats runtime)
     set_target_properties(airlight_${library} PROPERTIES EXPORT_NAME ${library})
     install(TARGETS airlight_${library} EXPORT airlight ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
     install(DIRECTORY ${library}/include/airlight DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-      PATTERN program.h EXCLUDE PATTERN image.h EXCLUDE) # of the programs
+      PATTERN program.h EXCLUDE PATTERN image.h EXCLUDE PATTERN trade_table.h EXCLUDE) # of the programs
     configure_file(cmake/airlight-${library}.pc.in airlight-${library}.pc @ONLY)
     install(FILES ${CMAKE_CURRENT_BINARY_DIR}/airlight-${library}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
   endif()

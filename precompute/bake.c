@@ -10,6 +10,7 @@
 #include <xxhash.h>
 
 #include "airlight/program.h"
+#include "airlight/trade_table.h"
 #include "airlight/translucent.h"
 #include "bake_lightmap.h"
 #include "bake_medium.h"
@@ -26,7 +27,7 @@ typedef struct arguments {
     bool table_all_in_one;
     bool plan, list_devices;
     int threads;
-    double memory_limit_mib;
+    double memory_limit_mib, target_error;
 } arguments;
 
 typedef struct bake {
@@ -421,6 +422,52 @@ static al_status in_scene(const char *scene, al_status status, al_error *error)
     return al_fail(error, status, "%s: %s", scene, message);
 }
 
+/* The place of a setting that airlight-trade turns; NULL: none of this name, or not of this value. */
+static uint32_t *find_setting(al_scene_description *d, const char *name, long value)
+{
+    const struct {
+        const char *name;
+        uint32_t *value;
+        long limit;
+    } settings[] = {{"bake.samples", &d->bake.samples, 10000000},
+                    {"bake.directions", &d->bake.directions, 4096},
+                    {"bake.sh_order", &d->bake.sh_order, 8},
+                    {"bake.grid_resolution", &d->bake.grid_resolution, 512},
+                    {"lightmap.samples", &d->lightmap.samples, 10000000},
+                    {"lightmap.bounces", &d->lightmap.bounces, 1000},
+                    {"lightmap.fog_points", &d->lightmap.fog_points, 64},
+                    {"probes.samples", &d->probes.samples, 10000000}};
+    for (size_t i = 0; i < sizeof settings / sizeof *settings; i++)
+        if (!strcmp(name, settings[i].name) && value >= 1 && value <= settings[i].limit) return settings[i].value;
+    return NULL;
+}
+
+/* --target-error: settings of a point that airlight-trade measured, in place of the scene's. */
+static al_status take_target(bake *b, al_error *error)
+{
+    char text[AL_ERROR_SIZE];
+    al_trade_pick *pick = &b->report.pick;
+    al_scene_description *description = b->import->description;
+    if (!(b->arguments->target_error > 0)) return AL_OK;
+    al_status status = al_trade_pick_point(b->arguments->folder, b->arguments->target_error, 0, pick, error);
+    for (int i = 0; i < pick->knob_count && !status; i++) {
+        const al_trade_knob *knob = &pick->knobs[i];
+        if (!strchr(knob->name, '.')) continue;
+        char *end;
+        long value = strtol(knob->value, &end, 10);
+        uint32_t *setting = find_setting(description, knob->name, value);
+        if (!setting || *end || (setting == &description->bake.directions && value % 2))
+            return al_fail(error, AL_BAD_INPUT, "%s/trade.csv: %s=%s is no setting of this bake; run airlight-trade again",
+                           b->arguments->folder, knob->name, knob->value);
+        *setting = (uint32_t)value;
+        if (setting == &description->bake.samples) description->bake.radius_m = 0;
+    }
+    if (status) return status;
+    al_trade_pick_describe(pick, text, sizeof text);
+    al_program_say(b->program, "--target-error %g: expects %s", b->arguments->target_error, text);
+    return AL_OK;
+}
+
 static al_status bake_scene(bake *b, const char *scene, al_quality quality, al_error *error)
 {
     double started = al_program_seconds();
@@ -428,6 +475,8 @@ static al_status bake_scene(bake *b, const char *scene, al_quality quality, al_e
     if (status != AL_OK) return status;
     b->report.steps.steps[b->report.steps.count++] =
         (al_step){"import", al_program_seconds() - started, 0, b->import->input_count};
+    status = take_target(b, error);
+    if (status != AL_OK) return status;
     al_plan_make(b->import, &b->plan);
     if (b->arguments->plan) {
         char *text = al_plan_json(&b->plan);
@@ -460,6 +509,8 @@ int main(int argc, char **argv)
         {"--plan", NULL, AL_OPTION_FLAG, &a.plan, "only say what would be done and why (JSON)", 0, 0},
         {"--quality", "Q", AL_OPTION_STRING, &a.quality,
          "preview, medium or final: settings the scene leaves open (medium)", 0, 0},
+        {"--target-error", "E", AL_OPTION_REAL, &a.target_error,
+         "settings of the fastest point of DIR/trade.csv that errs by at most E (airlight-trade makes it)", 1e-9, 1e9},
         {"--list-devices", NULL, AL_OPTION_FLAG, &a.list_devices, "list the OpenCL devices and end", 0, 0},
         {"--device", "N[,N]", AL_OPTION_STRING, &a.devices,
          "OpenCL devices by number; objects go to them in turn (0)", 0, 0},
@@ -511,6 +562,8 @@ int main(int argc, char **argv)
         status = al_fail(&error, AL_USAGE, "a scene file is missing; usage: airlight-bake SCENE.json -o DIR");
     else if (!a.folder && !a.plan)
         status = al_fail(&error, AL_USAGE, "-o DIR is missing: the folder to bake into");
+    else if (!a.folder && a.target_error > 0)
+        status = al_fail(&error, AL_USAGE, "--target-error needs -o DIR, the folder that airlight-trade filled");
     else {
         status = read_quality(a.quality, &quality, &error);
         if (status == AL_OK) status = read_devices(a.devices, &b, &error);

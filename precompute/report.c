@@ -2,6 +2,7 @@
 #include "report.h"
 
 #include <jansson.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -95,6 +96,12 @@ al_status al_report_write(const char *folder, const al_report *report, al_error 
         json_pack("{s:o, s:o, s:o, s:o, s:s, s:s, s:I}", "plan", plan_array(report->plan), "steps", steps,
                   "inputs", inputs, "assets", assets, "device", report->device, "tool_version",
                   "airlight-bake " AIRLIGHT_VERSION, "peak_memory_bytes", (json_int_t)usage.ru_maxrss * 1024);
+    if (report->pick.knob_count)
+        json_object_set_new(root, "expected", json_pack("{s:f, s:o, s:f, s:f}", "relative_rmse", report->pick.relative_rmse, "held_out_relative_rmse",
+                                                        isfinite(report->pick.held_out_relative_rmse)
+                                                            ? json_real(report->pick.held_out_relative_rmse)
+                                                            : json_null(), "seconds",
+                                                        report->pick.seconds, "frame_ms", report->pick.frame_ms));
     char *text = root ? json_dumps(root, JSON_INDENT(2)) : NULL;
     json_decref(root);
     snprintf(path, sizeof path, "%s/report.json", folder);

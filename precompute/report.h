@@ -2,6 +2,7 @@
 #ifndef AIRLIGHT_REPORT_H
 #define AIRLIGHT_REPORT_H
 
+#include "airlight/trade_table.h"
 #include "bake_object.h"
 #include "plan.h"
 
@@ -12,6 +13,7 @@ typedef struct al_report {
     al_steps light;               /* of probes and lightmap; none when they were up to date */
     uint32_t lightmap_page_count; /* 0 without a lightmap */
     al_steps *objects;            /* [translucent_count]; an object that was up to date has none */
+    al_trade_pick pick;           /* of --target-error */
     const char *device;           /* "" when none was needed */
 } al_report;
 

@@ -11,6 +11,7 @@
 #include <xxhash.h>
 
 #include "airlight/container.h"
+#include "airlight/trade_table.h"
 #include "scene.h"
 #include "sibling.h"
 
@@ -129,15 +130,9 @@ static void add_play_knobs(const al_trade *trade, const al_point *point, al_comm
 {
     for (int k = 0; k < trade->knobs.count; k++) {
         const char *name = trade->knobs.knobs[k].name, *value = trade->knobs.knobs[k].values[point->chosen[k]];
-        if (strchr(name, '.') || !strcmp(value, "all") || !strcmp(value, "off")) continue;
-        bool flag = !strcmp(name, "visibility") || !strcmp(name, "ambient-occlusion") || !strcmp(name, "indirect");
-        if (!flag) {
-            al_command_add(command, "--%s=%s", name, value);
-            continue;
-        }
-        al_command_add(command, "--%s", name);
-        if (!strcmp(name, "ambient-occlusion")) al_command_add(command, "--occlusion-carrier=%s", value);
-        if (!strcmp(name, "indirect")) al_command_add(command, "--indirect-carrier=%s", value);
+        char words[2][2 * AL_TRADE_TEXT_SIZE];
+        int count = al_trade_knob_words(name, value, words);
+        for (int i = 0; i < count; i++) al_command_add(command, "%s", words[i]);
     }
 }
 

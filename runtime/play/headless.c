@@ -270,6 +270,7 @@ static al_status run(session *s, al_error *error)
     if (status) return status;
     if (s->program->verbose) al_debug_output_begin();
     s->stats.renderer = (const char *)glGetString(GL_RENDERER);
+    s->stats.pick = &options->pick;
     s->stats.width = (uint32_t)options->size[0];
     s->stats.height = (uint32_t)options->size[1];
     status = al_runtime_create(NULL, &s->runtime, error);

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "picture.h"
@@ -170,7 +171,7 @@ static int apply(const al_program *program, const raw_options *raw, al_play_opti
     return code < 0 ? check(program, options) : code;
 }
 
-int al_play_options_parse(al_program *program, int argc, char **argv, al_play_options *options)
+static int parse(al_program *program, int argc, char **argv, al_play_options *options)
 {
     raw_options raw = {.pass = "composite", .view_leg = "marched", .second_leg = "marched", .scattered = "on",
                        .interval_weights = "auto", .occlusion_carrier = "surfels", .indirect_carrier = "surfels", .blur = -1, .bounce_filter = -1};
@@ -194,6 +195,10 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
         {"--pass", "NAME", AL_OPTION_STRING, &raw.pass, "show one intermediate buffer; a wrong NAME lists them (composite)", 0, 0},
         {"--plan", NULL, AL_OPTION_FLAG, &options->plan,
          "only say which passes a frame with the other options runs, why, and the bytes held", 0, 0},
+        {"--target-error", "E", AL_OPTION_REAL, &options->target_error,
+         "knobs of the fastest point of DIR/trade.csv that errs by at most E (airlight-trade makes it)", 1e-9, 1e9},
+        {"--frame-ms", "T", AL_OPTION_REAL, &options->frame_ms,
+         "knobs of its most exact point that takes at most T ms; with both the fastest that meets both", 1e-6, 1e9},
         {"--watch", NULL, AL_OPTION_FLAG, &options->watch, "load what was baked anew", 0, 0},
         {"--samples", "N", AL_OPTION_INT, &raw.samples, "samples per object, at most (all)", 1, 2147483647},
         {"--sh-order", "N", AL_OPTION_INT, &raw.sh_order, "bands of spherical harmonics (as baked)", 1, 8},
@@ -273,6 +278,42 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
     program->options = NULL;
     program->option_count = 0;
     return code < 0 ? apply(program, &raw, options) : code;
+}
+
+/* The picked point's options, then those that were given, which count where both say something. */
+static int parse_with_pick(al_program *program, int argc, char **argv, const al_trade_pick *pick, al_play_options *options)
+{
+    char(*words)[2 * AL_TRADE_TEXT_SIZE] = calloc(2 * AL_TRADE_KNOB_LIMIT, sizeof *words);
+    char **all = calloc((size_t)argc + 2 * AL_TRADE_KNOB_LIMIT + 1, sizeof *all);
+    int code = AL_IO, count = 0;
+    if (words && all) {
+        for (int i = 0; i < pick->knob_count; i++)
+            count += al_trade_knob_words(pick->knobs[i].name, pick->knobs[i].value, words + count);
+        all[0] = argv[0];
+        for (int i = 0; i < count; i++) all[1 + i] = words[i];
+        for (int i = 1; i < argc; i++) all[count + i] = argv[i];
+        code = parse(program, argc + count, all, options);
+        options->pick = *pick;
+    }
+    free(all);
+    free(words);
+    return code;
+}
+
+int al_play_options_parse(al_program *program, int argc, char **argv, al_play_options *options)
+{
+    al_error error = {0};
+    al_trade_pick pick;
+    char text[AL_ERROR_SIZE];
+    int code = parse(program, argc, argv, options);
+    if (code >= 0 || !(options->target_error > 0 || options->frame_ms > 0)) return code;
+    if (!options->folder)
+        return refuse(program, "--target-error and --frame-ms need the baked folder, with its trade.csv; see %s --help", program->name);
+    if (al_trade_pick_point(options->folder, options->target_error, options->frame_ms, &pick, &error))
+        return al_program_fail(program, &error);
+    al_trade_pick_describe(&pick, text, sizeof text);
+    al_program_say(program, "expects %s", text);
+    return parse_with_pick(program, argc, argv, &pick, options);
 }
 
 double al_play_exposure(const al_play_options *options, const al_scene *scene)

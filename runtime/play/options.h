@@ -4,6 +4,7 @@
 
 #include "airlight/program.h"
 #include "airlight/runtime.h"
+#include "airlight/trade_table.h"
 
 typedef struct al_play_options {
     const char *folder; /* NULL: none given, the window waits for a dropped one */
@@ -13,6 +14,8 @@ typedef struct al_play_options {
     al_option_list out;
     const char *stats, *camera; /* NULL when not given */
     double exposure_ev;         /* NaN: the scene's own */
+    double target_error, frame_ms; /* 0: not asked for */
+    al_trade_pick pick;            /* what was picked for them */
     al_settings settings;
 } al_play_options;
 

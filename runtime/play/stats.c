@@ -93,6 +93,10 @@ al_status al_stats_write(const char *path, const al_stats *stats, al_runtime *ru
         (json_int_t)al_runtime_samples(runtime), "width", (int)stats->width, "height", (int)stats->height,
         "gl_renderer", stats->renderer, "plan", describe_plan(runtime), "frames", (int)stats->frame.count,
         "first_picture_ms", number(stats->first_picture_ms), "last_sample_ms", number(stats->last_sample_ms));
+    if (stats->pick && stats->pick->knob_count)
+        json_object_set_new(root, "expected",
+                            json_pack("{s:o, s:o, s:o}", "relative_rmse", number(stats->pick->relative_rmse), "held_out_relative_rmse",
+                                      number(stats->pick->held_out_relative_rmse), "frame_ms", number(stats->pick->frame_ms)));
     char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
     size_t length = text ? strlen(text) : 0;
     if (text) text[length] = '\n'; /* a file ends with a line's end; the terminator is not written */

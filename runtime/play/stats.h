@@ -3,6 +3,7 @@
 #define AIRLIGHT_STATS_H
 
 #include "airlight/runtime.h"
+#include "airlight/trade_table.h"
 
 enum { AL_STATS_PASS_LIMIT = 64 };
 
@@ -19,6 +20,7 @@ typedef struct al_stats {
     double first_picture_ms, last_sample_ms; /* since the folder was opened; NaN: not measured */
     uint32_t width, height;
     const char *renderer; /* GL_RENDERER */
+    const al_trade_pick *pick; /* what is expected, if anything; may be NULL */
 } al_stats;
 
 /* Adds one frame; AL_IO when out of memory. */

@@ -45,6 +45,20 @@ cp "$work/whole/trade.csv" "$work/first.csv"
 run 0 trade -o "$work/whole" --quiet
 cmp -s "$work/first.csv" "$work/whole/trade.csv" || wrong "a second run measured again"
 
+# The same folder serves the bake and the player.
+"$bin/airlight-bake" "$work/scene.json" -o "$work/whole" --target-error 10 2>"$work/stderr" || wrong "the bake: $(cat "$work/stderr")"
+grep -q 'expects relative error 0.*held-out view.*bake.samples=200' "$work/stderr" || wrong "not what is expected: $(cat "$work/stderr")"
+grep -q '"expected"' "$work/whole/report.json" || wrong "report.json does not say what is expected"
+"$bin/airlight-play" "$work/whole" --headless --size 16x16 --target-error 10 --stats "$work/stats.json" 2>"$work/stderr" ||
+    wrong "the player: $(cat "$work/stderr")"
+grep -q 'expects relative error 0' "$work/stderr" && grep -q held_out_relative_rmse "$work/stats.json" ||
+    wrong "the player does not say what is expected: $(cat "$work/stderr")"
+fails 1 "no point meets" "$bin/airlight-play" "$work/whole" --headless --frame-ms 0.0001
+fails 3 "airlight-trade SCENE.json" "$bin/airlight-bake" "$work/scene.json" -o "$work/none" --target-error 1
+sed '2s/,[^,]*,medium$/,soon,medium/' "$work/first.csv" >"$work/whole/trade.csv"
+fails 3 "trade.csv:2: held_out_relative_rmse is 'soon'" "$bin/airlight-play" "$work/whole" --headless --frame-ms 1e9
+cp "$work/first.csv" "$work/whole/trade.csv"
+
 # Stopped after the first point: exit 130, and the same command goes on to the same result.
 # shellcheck disable=SC2086
 "$bin/airlight-trade" "$work/scene.json" $settings -o "$work/parts" --quiet >"$work/stdout" 2>"$work/stderr" &
