@@ -431,6 +431,7 @@ static al_status check_all(al_file *file, al_status status, al_finding_fn *on_fi
             for (size_t i = 0; i < file->chunk_count; i++) check_data(file, i, &report);
             al_kind_find(file->kind)->check(file, &report);
             al_check_provenance(file, &report);
+            al_check_measured(file, &report);
         }
         status = report.status;
     }

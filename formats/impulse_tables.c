@@ -290,7 +290,7 @@ static void check_impulse_tables(const al_file *file, al_report *report)
     al_impulse_tables_free(tables);
 }
 
-static const al_chunk_rules chunks[] = {{"INFO", 1, 1, 1}, {"TABL", 1, 0, 0}, {"PROV", 1, 0, 1}};
+static const al_chunk_rules chunks[] = {{"INFO", 1, 1, 1}, {"TABL", 1, 0, 0}, {"MEAS", 1, 0, 0}, {"PROV", 1, 0, 1}};
 
 const al_kind_rules al_impulse_tables_rules = {AL_KIND_IMPULSE_TABLES, "impulse-tables", chunks,
                                                COUNT_OF(chunks), check_impulse_tables};
@@ -323,6 +323,7 @@ al_status al_impulse_tables_write(const char *path, const al_impulse_data *data,
     status = al_writer_add(writer, "INFO", 1, 0, info, al_record_size(&info_record), error);
     for (uint32_t i = 0; status == AL_OK && i < data->info.table_count; i++)
         status = add_table(writer, path, &data->tables[i], error);
+    if (status == AL_OK) status = al_measured_write(writer, data->measured, data->measured_count, error);
     if (status == AL_OK && data->provenance_json)
         status = al_writer_add(writer, "PROV", 1, AL_CHUNK_OPTIONAL, data->provenance_json,
                                strlen(data->provenance_json), error);

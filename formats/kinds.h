@@ -31,4 +31,7 @@ bool al_chunk_is(const al_file *file, size_t index, const char type[5]);
 /* PROV of any kind: a JSON object, optional. */
 void al_check_provenance(const al_file *file, al_report *report);
 
+/* MEAS of any kind: optional. */
+void al_check_measured(const al_file *file, al_report *report);
+
 #endif

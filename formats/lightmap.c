@@ -382,7 +382,7 @@ static void check_lightmap(const al_file *file, al_report *report)
 
 static const al_chunk_rules chunks[] = {{"INFO", 1, 1, 1}, {"INST", 1, 1, 1}, {"PAGS", 1, 1, 1},
                                         {"VERT", 1, 1, 1}, {"TRIS", 1, 1, 1}, {"PAGE", 1, 0, 0},
-                                        {"PROV", 1, 0, 1}};
+                                        {"MEAS", 1, 0, 0}, {"PROV", 1, 0, 1}};
 
 const al_kind_rules al_lightmap_rules = {AL_KIND_LIGHTMAP, "lightmap", chunks, sizeof chunks / sizeof *chunks,
                                          check_lightmap};
@@ -635,6 +635,7 @@ static al_status add_chunks(al_writer *writer, const char *path, const al_lightm
                                (size_t)info->triangle_count * 3 * sizeof(uint32_t), error);
     for (uint32_t i = 0; status == AL_OK && i < info->page_count; i++)
         status = add_page(writer, path, info, &data->pages[i], &heads[i], error);
+    if (status == AL_OK) status = al_measured_write(writer, data->measured, data->measured_count, error);
     if (status == AL_OK && provenance)
         status = al_writer_add(writer, "PROV", 1, AL_CHUNK_OPTIONAL, provenance, strlen(provenance), error);
     return status;

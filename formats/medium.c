@@ -330,7 +330,7 @@ static void check_medium(const al_file *file, al_report *report)
 
 static const al_chunk_rules chunks[] = {
     {"INFO", 1, 1, 1}, {"FRAM", 1, 1, 1}, {"INDX", 1, 1, 0}, {"PAGE", 1, 0, 0},
-    {"SKYI", 1, 0, 1}, {"SKYL", 1, 0, 1}, {"SKYC", 1, 0, 1}, {"DEPI", 1, 0, 1}, {"DEPL", 1, 0, 0}, {"PROV", 1, 0, 1}};
+    {"SKYI", 1, 0, 1}, {"SKYL", 1, 0, 1}, {"SKYC", 1, 0, 1}, {"DEPI", 1, 0, 1}, {"DEPL", 1, 0, 0}, {"MEAS", 1, 0, 0}, {"PROV", 1, 0, 1}};
 
 const al_kind_rules al_medium_rules = {AL_KIND_MEDIUM, "medium", chunks, sizeof chunks / sizeof *chunks,
                                        check_medium};
@@ -593,6 +593,8 @@ static al_status add_chunks(encoder *e, al_writer *writer, al_error *error)
     if (status == AL_OK && e->data->sky)
         status = al_medium_sky_write(writer, e->path, e->data->sky, e->data->sky_values, error);
     if (status == AL_OK && e->data->depth) status = add_depths(e, writer, error);
+    if (status == AL_OK)
+        status = al_measured_write(writer, e->data->measured, e->data->measured_count, error);
     if (status == AL_OK && provenance)
         status = al_writer_add(writer, "PROV", 1, AL_CHUNK_OPTIONAL, provenance, strlen(provenance), error);
     return status;

@@ -333,7 +333,7 @@ static void check_probes(const al_file *file, al_report *report)
 }
 
 static const al_chunk_rules chunks[] = {{"INFO", 1, 1, 1}, {"POSI", 1, 1, 1}, {"TETR", 1, 1, 1},
-                                        {"NEIG", 1, 1, 1}, {"COEF", 1, 1, 1}, {"PROV", 1, 0, 1}};
+                                        {"NEIG", 1, 1, 1}, {"COEF", 1, 1, 1}, {"MEAS", 1, 0, 0}, {"PROV", 1, 0, 1}};
 const al_kind_rules al_probes_rules = {AL_KIND_PROBES, "probes", chunks, sizeof chunks / sizeof *chunks,
                                        check_probes};
 
@@ -407,6 +407,7 @@ static al_status add_chunks(al_writer *writer, const char *path, const al_probes
     if (status == AL_OK) status = al_writer_add(writer, "NEIG", 1, 0, neighbours, corners, error);
     if (status == AL_OK)
         status = al_writer_add(writer, "COEF", 1, 0, data->coefficients, 4 * coefficient_count(info), error);
+    if (status == AL_OK) status = al_measured_write(writer, data->measured, data->measured_count, error);
     if (status == AL_OK && data->provenance_json)
         status = al_writer_add(writer, "PROV", 1, AL_CHUNK_OPTIONAL, data->provenance_json,
                                strlen(data->provenance_json), error);

@@ -152,7 +152,7 @@ static void decode_element(const place *at, const uint8_t *bytes, const char *te
     case AL_FIELD_TEXT:
         if (small >= text_size) {
             al_report_finding(at->report, AL_RULE_TEXT,
-                              "%s %zu: %s begins at offset %" PRIu32 ", chunk TEXT has %zu bytes",
+                              "%s %zu: %s begins at offset %" PRIu32 ", the texts have %zu bytes",
                               at->record->type, at->index, at->field->name, small, text_size);
             text = "";
             small = 0;

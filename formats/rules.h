@@ -29,6 +29,7 @@
     RULE(AL_RULE_RANGE, 132, "every field lies in its range") \
     RULE(AL_RULE_TEXT, 133, "a text begins inside chunk TEXT, which ends with a zero byte") \
     RULE(AL_RULE_PROVENANCE, 134, "chunk PROV is a JSON object") \
+    RULE(AL_RULE_MEASURED_TEXT, 135, "the texts in chunk MEAS are UTF-8, begin and end with a zero byte") \
     RULE(AL_RULE_TRANSLUCENT_CHANNELS, 201, "there are one or three sets of coefficients") \
     RULE(AL_RULE_TRANSLUCENT_DIRECTIONS, 202, "the number of directions is even") \
     RULE(AL_RULE_TRANSLUCENT_BOUNDS, 203, "the lower bound is not above the upper one") \

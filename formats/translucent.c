@@ -233,6 +233,20 @@ static void check_samples(const al_translucent_info *info, const al_translucent_
     }
 }
 
+/* The arrays in the bytes of a page. */
+static al_translucent_page split_page(const al_translucent_info *info, uint32_t index, const uint8_t *bytes)
+{
+    uint32_t count = page_samples(info, index);
+    page_layout l = layout_of(info, count);
+    bool has_scales = info->format == AL_COEFFICIENT_BYTE;
+    return (al_translucent_page){.first = index * info->page_size,
+                                 .count = count,
+                                 .positions = (const float *)(const void *)bytes,
+                                 .gaussians = (const float *)(const void *)(bytes + l.gaussians),
+                                 .scales = has_scales ? (const float *)(const void *)(bytes + l.scales) : NULL,
+                                 .coefficients = bytes + l.coefficients};
+}
+
 static bool read_page(const al_file *file, const al_translucent_info *info, uint32_t index, size_t chunk,
                       al_translucent_page *page, al_report *report)
 {
@@ -249,21 +263,15 @@ static bool read_page(const al_file *file, const al_translucent_info *info, uint
         return false;
     }
     const uint8_t *bytes = data;
-    bool has_scales = info->format == AL_COEFFICIENT_BYTE;
-    uint64_t scales_end = l.scales + (has_scales ? (uint64_t)count * info->channel_count * 4 : 0);
+    uint64_t scales_end =
+        l.scales + (info->format == AL_COEFFICIENT_BYTE ? (uint64_t)count * info->channel_count * 4 : 0);
     if (!al_all_zero(bytes + (uint64_t)count * 12, l.gaussians - (uint64_t)count * 12) ||
         !al_all_zero(bytes + l.gaussians + (uint64_t)count * 16,
                      l.scales - l.gaussians - (uint64_t)count * 16) ||
         !al_all_zero(bytes + scales_end, l.coefficients - scales_end))
         al_report_finding(report, AL_RULE_TRANSLUCENT_PAGE_PADDING,
                           "page %" PRIu32 ": bytes between its arrays are not zero", index);
-    *page =
-        (al_translucent_page){.first = index * info->page_size,
-                              .count = count,
-                              .positions = (const float *)data,
-                              .gaussians = (const float *)(const void *)(bytes + l.gaussians),
-                              .scales = has_scales ? (const float *)(const void *)(bytes + l.scales) : NULL,
-                              .coefficients = bytes + l.coefficients};
+    *page = split_page(info, index, bytes);
     check_samples(info, page, index, report);
     check_coefficients(info, page, index, report);
     return true;
@@ -344,7 +352,7 @@ static void check_translucent(const al_file *file, al_report *report)
 }
 
 static const al_chunk_rules chunks[] = {
-    {"INFO", 1, 1, 1}, {"GRID", 1, 1, 1}, {"BLOK", 1, 0, 1}, {"PAGE", 1, 0, 0}, {"PROV", 1, 0, 1}};
+    {"INFO", 1, 1, 1}, {"GRID", 1, 1, 1}, {"BLOK", 1, 0, 1}, {"PAGE", 1, 0, 0}, {"MEAS", 1, 0, 0}, {"PROV", 1, 0, 1}};
 
 const al_kind_rules al_translucent_rules = {AL_KIND_TRANSLUCENT, "translucent", chunks,
                                             sizeof chunks / sizeof *chunks, check_translucent};
@@ -367,25 +375,49 @@ void al_translucent_decode(const al_translucent_info *info, const al_translucent
     }
 }
 
-/* Adds the page's share of sum gamma_i psi_i(w) and of sum gamma_i. */
-static void gather(const al_translucent_info *info, const al_translucent_page *page, const float position[3],
-                   const double *basis, double weighted[3], double *total, uint32_t *used)
+/* A point that is asked, and the sums over the samples that reach it. */
+typedef struct question {
+    double position[3], basis[AL_SH_MAX_COUNT];
+    double weighted[3], total; /* of gamma_i psi_i(w), of gamma_i */
+    uint32_t used;
+} question;
+
+/* False: not finite, or no direction. */
+static bool ask(const al_translucent_info *info, const float position[3], const float direction[3], question *q)
+{
+    double w[3] = {direction[0], direction[1], direction[2]}, length = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
+    *q = (question){.position = {position[0], position[1], position[2]}};
+    if (!(length > 0) || !isfinite(length) || !isfinite(position[0] + position[1] + position[2])) return false;
+    al_sh_basis((int)info->order, w[0] / length, w[1] / length, w[2] / length, q->basis);
+    return true;
+}
+
+/* Adds the page's share. */
+static void gather(const al_translucent_info *info, const al_translucent_page *page, question *q)
 {
     float coefficients[AL_SH_MAX_COUNT];
     for (uint32_t i = 0; i < page->count; i++) {
         const float *b = page->positions + 3 * (size_t)i, *g = page->gaussians + 4 * (size_t)i;
         double square = 0;
-        for (int k = 0; k < 3; k++) square += ((double)position[k] - b[k]) * ((double)position[k] - b[k]);
+        for (int k = 0; k < 3; k++) square += (q->position[k] - b[k]) * (q->position[k] - b[k]);
         double gamma = square <= (double)g[2] * g[2] ? g[1] * exp(-g[0] * square) : 0;
         if (gamma == 0) continue;
-        *total += gamma;
-        ++*used;
+        q->total += gamma;
+        q->used++;
         for (uint32_t c = 0; c < info->channel_count; c++) {
             double psi = 0;
             al_translucent_decode(info, page, i, c, coefficients);
-            for (uint32_t k = 0; k < info->order * info->order; k++) psi += coefficients[k] * basis[k];
-            weighted[c] += gamma * psi;
+            for (uint32_t k = 0; k < info->order * info->order; k++) psi += coefficients[k] * q->basis[k];
+            q->weighted[c] += gamma * psi;
         }
+    }
+}
+
+static void answer(const al_translucent_info *info, const question *q, float transmittance[3])
+{
+    for (int c = 0; c < 3; c++) {
+        double psi = q->total > 0 ? q->weighted[info->channel_count == 3 ? c : 0] / q->total : 1;
+        transmittance[c] = (float)fmin(fmax(psi, 0), 1);
     }
 }
 
@@ -393,28 +425,21 @@ al_status al_translucent_evaluate(const al_file *file, const al_translucent_info
                                   const float position[3], const float direction[3], float transmittance[3],
                                   uint32_t *samples_used, al_error *error)
 {
-    double basis[AL_SH_MAX_COUNT], weighted[3] = {0}, total = 0;
-    double length = sqrt((double)direction[0] * direction[0] + (double)direction[1] * direction[1] +
-                         (double)direction[2] * direction[2]);
+    question q;
     al_translucent_page page;
-    uint32_t used = 0;
     *samples_used = 0;
     for (int c = 0; c < 3; c++) transmittance[c] = 0;
-    if (!(length > 0) || !isfinite(length) || !isfinite(position[0] + position[1] + position[2]))
+    if (!ask(info, position, direction, &q))
         return al_fail(error, AL_USAGE,
                        "%s: position and direction must be finite, the direction longer than 0",
                        al_file_name(file));
-    al_sh_basis((int)info->order, direction[0] / length, direction[1] / length, direction[2] / length, basis);
     for (uint32_t p = 0; p < al_translucent_page_count(info); p++) {
         al_status status = al_translucent_read_page(file, info, p, &page, error);
         if (status != AL_OK) return status;
-        gather(info, &page, position, basis, weighted, &total, &used);
+        gather(info, &page, &q);
     }
-    for (int c = 0; c < 3; c++) {
-        double psi = total > 0 ? weighted[info->channel_count == 3 ? c : 0] / total : 1;
-        transmittance[c] = (float)fmin(fmax(psi, 0), 1);
-    }
-    *samples_used = used;
+    answer(info, &q, transmittance);
+    *samples_used = q.used;
     return AL_OK;
 }
 
@@ -454,6 +479,29 @@ static void encode_page(const al_translucent_data *data, const al_translucent_in
             memcpy(out + l.scales + 4 * s, &scale, 4);
         }
     }
+}
+
+al_status al_translucent_foretell(const al_translucent_data *data, uint32_t count, const float *positions,
+                                  const float *directions, float *transmittances, al_error *error)
+{
+    al_translucent_info info = data->info;
+    if (!info.page_size) info.page_size = DEFAULT_PAGE_SIZE;
+    uint8_t *bytes = malloc(layout_of(&info, page_samples(&info, 0)).size + 1);
+    question *questions = calloc((size_t)count + 1, sizeof *questions);
+    al_status status = bytes && questions ? AL_OK : al_fail(error, AL_IO, "out of memory for a page");
+    for (uint32_t i = 0; i < count && status == AL_OK; i++)
+        if (!ask(&info, positions + 3 * (size_t)i, directions + 3 * (size_t)i, &questions[i]))
+            status = al_fail(error, AL_USAGE, "point %" PRIu32 " is not finite or has no direction", i);
+    for (uint32_t p = 0; p < al_translucent_page_count(&info) && status == AL_OK; p++) {
+        encode_page(data, &info, p * info.page_size, page_samples(&info, p), bytes);
+        al_translucent_page page = split_page(&info, p, bytes);
+        for (uint32_t i = 0; i < count; i++) gather(&info, &page, &questions[i]);
+    }
+    for (uint32_t i = 0; i < count && status == AL_OK; i++)
+        answer(&info, &questions[i], transmittances + 3 * (size_t)i);
+    free(questions);
+    free(bytes);
+    return status;
 }
 
 static al_status check_data(const char *path, const al_translucent_data *data,
@@ -498,6 +546,7 @@ static al_status add_chunks(al_writer *writer, const char *path, const al_transl
     if (status == AL_OK && info->has_blockers)
         status = al_writer_add(writer, "BLOK", 1, 0, data->blockers, voxel_count(info), error);
     if (status == AL_OK) status = add_pages(writer, path, data, info, error);
+    if (status == AL_OK) status = al_measured_write(writer, data->measured, data->measured_count, error);
     if (status == AL_OK && provenance)
         status = al_writer_add(writer, "PROV", 1, AL_CHUNK_OPTIONAL, provenance, strlen(provenance), error);
     return status;

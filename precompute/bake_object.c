@@ -11,17 +11,19 @@
 #include "airlight/formulas.h"
 #include "airlight/translucent.h"
 #include "checkpoint.h"
+#include "measure.h"
 #include "sample.h"
 #include "sweep.h"
 #include "tetrahedra.h"
 
 /* Part of every key: raise it when a step's result changes for the same input. */
-static const uint32_t bake_version = 4;
+static const uint32_t bake_version = 5;
 
 enum stage { STAGE_MOMENT = 1, STAGE_SAMPLE = 2, STAGE_PROJECT = 3 };
 
 typedef struct work {
     const al_import *import;
+    uint32_t index; /* of the object */
     const al_translucent_object *object;
     const al_medium *medium;
     const al_bake_settings *settings;
@@ -447,12 +449,43 @@ static void describe(const work *w, al_translucent_info *info)
     }
 }
 
+/* Adds the asset's measured error, its texts in `settings` (160 bytes are enough). */
+static al_status measure(const work *w, al_translucent_data *data, al_measured *measured, char *settings, size_t size,
+                         al_error *error)
+{
+    static const char *const formats[] = {"float", "half", "byte"};
+    const al_measured_object object = {.import = w->import,
+                                       .index = w->index,
+                                       .boundary = &w->boundary,
+                                       .blockers = &w->blockers,
+                                       .seed = w->settings->seed,
+                                       .threads = w->options->threads};
+    double started = al_program_seconds();
+    al_measure sums = {0};
+    al_status status = al_measure_object(&object, data, &sums, error);
+    if (status != AL_OK) return status;
+    snprintf(settings, size, "%u directions, %u samples, order %u, %u voxels, %s coefficients",
+             w->settings->directions, w->samples.count, w->settings->sh_order, w->settings->grid_resolution,
+             formats[data->info.format]);
+    if (sums.count) {
+        *measured = al_measure_result(&sums,
+                                      "transmittance at random points towards random directions with a march through "
+                                      "the density in double precision",
+                                      settings, "");
+        data->measured = measured;
+        data->measured_count = 1;
+    }
+    al_steps_add(w->steps, "measure", started, 0, sums.count);
+    return AL_OK;
+}
+
 static al_status write_asset(work *w, al_error *error)
 {
     double started = al_program_seconds();
     size_t count = al_grid_count(&w->grid);
     uint64_t bytes = 0;
-    char provenance[512];
+    char provenance[512], settings[160];
+    al_measured measured;
     al_status status;
     al_translucent_data data = {.positions = w->samples.positions,
                                 .gaussians = w->samples.gaussians,
@@ -476,7 +509,9 @@ static al_status write_asset(work *w, al_error *error)
     }
     data.density = density;
     data.blockers = blockers;
-    status = al_translucent_write(w->path, &data, &bytes, error);
+    status = measure(w, &data, &measured, settings, sizeof settings, error);
+    started = al_program_seconds();
+    if (status == AL_OK) status = al_translucent_write(w->path, &data, &bytes, error);
     al_steps_add(w->steps, "write", started, bytes, w->samples.count);
 cleanup:
     free(density);
@@ -507,6 +542,7 @@ al_status al_bake_object(const al_import *import, uint32_t index, uint64_t key, 
     char file[160];
     if (!w) return al_fail(error, AL_IO, "out of memory");
     w->import = import;
+    w->index = index;
     w->object = &import->scene.translucents[index];
     w->medium = &import->scene.media[w->object->medium];
     w->settings = &import->description->bake;

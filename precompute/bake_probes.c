@@ -200,11 +200,11 @@ static al_status write_asset(probe_work *w, const al_tetrahedra *mesh, uint32_t 
              "{\"key\":\"%016llx\",\"samples\":%u,\"bounces\":%u,\"walls\":%d,\"spacing_m\":%.9g}",
              (unsigned long long)w->key, w->settings->samples, w->import->description->lightmap.bounces,
              (int)w->import->description->lightmap.walls, w->places.spacing_m);
-    al_probes_data data = {{w->kept, tetrahedron_count, w->settings->order},
-                           w->positions,
-                           mesh->corners,
-                           w->coefficients,
-                           provenance};
+    al_probes_data data = {.info = {w->kept, tetrahedron_count, w->settings->order},
+                           .positions = w->positions,
+                           .tetrahedra = mesh->corners,
+                           .coefficients = w->coefficients,
+                           .provenance_json = provenance};
     al_status status = al_probes_write(w->path, &data, &bytes, error);
     if (status == AL_OK) al_steps_add(w->steps, "write probes", started, bytes, w->kept);
     return status;

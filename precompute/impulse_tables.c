@@ -11,12 +11,13 @@
 #include <xxhash.h>
 
 #include "airlight/formulas.h"
+#include "measure.h"
 
 enum {
     TABLE_LIMIT = 3 * (2 * (AL_IMPULSE_EVENT_LIMIT + 5) + 1),
     SHARE_DISTANCES = 64, /* of tables that are split by angle: they carry differences only */
     SHARE_COSINES = 9,
-    METHOD = 2,       /* of the key: raised with every change of what is computed */
+    METHOD = 3,       /* of the key: raised with every change of what is computed */
     CHECK_STRIDE = 16 /* every sixteenth distance is recomputed in double */
 };
 
@@ -33,6 +34,7 @@ typedef struct work {
     float *owned[2 * TABLE_LIMIT]; /* values and angles, to be freed */
     uint32_t count, owned_count;
     double rounding_error, interpolation_error;
+    al_measure measures[3]; /* of each emitter: deviation of an entry over its length */
     al_progress progress;
     unsigned done, total; /* scatterings */
 } work;
@@ -222,10 +224,14 @@ static void compare_halfway(work *w, const al_impulse_rule *rule, const al_impul
         for (uint32_t i = 0; i < count; i++) {
             const float *e = exact + ((size_t)c * count + i) * t->number_count,
                         *row = t->values + (size_t)c * t->distance_count * t->number_count;
+            double square = 0, exact_square = 0;
             for (uint32_t n = 0; n < t->number_count; n++) {
-                double value = halfway(row, t->distance_count, t->number_count, 2 * i, n);
-                w->interpolation_error = fmax(w->interpolation_error, fabs(value - e[n]) / e[0]);
+                double deviation = halfway(row, t->distance_count, t->number_count, 2 * i, n) - e[n];
+                w->interpolation_error = fmax(w->interpolation_error, fabs(deviation) / e[0]);
+                square += deviation * deviation;
+                exact_square += (double)e[n] * e[n];
             }
+            al_measure_add(&w->measures[rule->emitter], sqrt(square / exact_square), 1);
         }
 }
 
@@ -378,18 +384,30 @@ uint64_t al_impulse_tables_key(const al_impulse_settings *s)
     return XXH64(text, (size_t)size, 0);
 }
 
+#define COMPARED(emitter) \
+    "coefficients of " emitter " halfway between tabulated distances, each event, isotropic, over their length, " \
+    "with double precision"
+
 static al_status write_tables(const char *path, work *w, uint64_t key, uint64_t *bytes, al_error *error)
 {
     const al_impulse_settings *s = w->settings;
-    char provenance[512];
+    static const char *const compared[] = {
+        COMPARED("a point"), COMPARED("a directional light"), COMPARED("an area")};
+    char provenance[512], settings[160];
     snprintf(provenance, sizeof provenance,
              "{\"key\":\"%016" PRIx64 "\",\"bands\":%" PRIu32 ",\"events\":%" PRIu32 ",\"distances\":%" PRIu32
              ",\"cosines\":%" PRIu32 ",\"g\":%.17g}",
              key, s->bands, s->events, s->distances, s->cosines, s->g_range);
-    const al_impulse_data data = {{s->bands, s->events, w->count, s->distance_min, s->distance_max,
-                                   w->rounding_error, w->interpolation_error},
-                                  w->tables,
-                                  provenance};
+    snprintf(settings, sizeof settings, "%u bands, %u events, %u distances, %u cosines", s->bands, s->events,
+             s->distances, s->cosines);
+    al_measured measured[3];
+    for (int e = 0; e < 3; e++) measured[e] = al_measure_result(&w->measures[e], compared[e], settings, "");
+    const al_impulse_data data = {.info = {s->bands, s->events, w->count, s->distance_min, s->distance_max,
+                                           w->rounding_error, w->interpolation_error},
+                                  .tables = w->tables,
+                                  .provenance_json = provenance,
+                                  .measured = measured,
+                                  .measured_count = 3};
     return al_impulse_tables_write(path, &data, bytes, error);
 }
 
@@ -417,7 +435,7 @@ static al_status make_all(work *w, const char *path, uint64_t key, al_steps *ste
     if (status == AL_OK) status = make_fits(w, error);
     if (status == AL_OK) finish_step(steps, "sums and axes", &started, 0, w->count);
     for (int e = 0; e < 3 && status == AL_OK; e++) status = check_emitter(w, (al_impulse_emitter)e, error);
-    if (status == AL_OK) finish_step(steps, "check", &started, 0, w->settings->distances / 2);
+    if (status == AL_OK) finish_step(steps, "measure", &started, 0, w->settings->distances / 2);
     if (status == AL_OK) status = write_tables(path, w, key, &bytes, error);
     if (status == AL_OK) finish_step(steps, "write", &started, bytes, w->count);
     return status;

@@ -12,6 +12,7 @@
 static const double seconds_per_voxel_direction = 4e-9;
 static const double seconds_per_sample_direction = 5e-7;
 static const double seconds_per_sample = 3e-4;
+static const double seconds_per_measured_sample = 3e-6; /* 1024 points */
 
 static const double seconds_per_sky_fog = 5;
 static const double seconds_per_depth_frame = 5;
@@ -150,6 +151,8 @@ void al_plan_make(const al_import *import, al_plan *plan)
         objects * channels * directions *
             (samples * seconds_per_sample_direction + voxels * seconds_per_voxel_direction / 2),
         samples * channels * s->sh_order * s->sh_order * 8.0);
+    add(plan, "measure", any, any ? "each object's asset carries its measured error" : none,
+        objects * (0.1 + samples * seconds_per_measured_sample), 0);
     add(plan, "colour channels", any && chromatic,
         chromatic ? "extinction differs between red, green and blue: three sets of coefficients"
                   : "extinction is grey: one set of coefficients serves",

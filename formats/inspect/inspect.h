@@ -27,6 +27,9 @@ json_t *json_text(const char *text);
 /* The object in chunk PROV, or null. */
 json_t *json_provenance(const al_file *file);
 
+/* The measured errors in chunks MEAS, in their order. */
+json_t *json_measured(const al_file *file);
+
 /* Key `key` of `query` as three finite numbers; AL_USAGE when it is not. */
 al_status query_vector(const json_t *query, const char *key, float vector[3], al_error *error);
 /* AL_USAGE when the query has a key that is not among `keys` (NULL ends them). */

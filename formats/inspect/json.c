@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "airlight/measured.h"
 #include "inspect.h"
 
 json_t *json_number(double value)
@@ -38,6 +39,24 @@ json_t *json_provenance(const al_file *file)
     if (index >= 0 && al_file_data(file, (size_t)index, &data, &size, NULL) == AL_OK)
         root = json_loadb(data, size, 0, NULL);
     return root ? root : json_null();
+}
+
+json_t *json_measured(const al_file *file)
+{
+    json_t *list = json_array();
+    for (uint32_t i = 0; i < al_measured_count(file); i++) {
+        al_measured m;
+        if (al_measured_read(file, i, &m, NULL) != AL_OK) continue;
+        json_t *one = json_pack("{s:s,s:s,s:s,s:I}", "compared", m.compared, "settings", m.settings, "unit",
+                                m.unit, "count", (json_int_t)m.count);
+        json_object_set_new(one, "relative_rmse", json_number(m.rmse / m.truth_rms));
+        json_object_set_new(one, "rmse", json_number(m.rmse));
+        json_object_set_new(one, "truth_rms", json_number(m.truth_rms));
+        json_object_set_new(one, "largest", json_number(m.largest));
+        json_object_set_new(one, "standard_error", json_number(m.standard_error));
+        json_array_append_new(list, one);
+    }
+    return list;
 }
 
 al_status query_vector(const json_t *query, const char *key, float vector[3], al_error *error)

@@ -65,7 +65,25 @@ static json_t *describe(const al_file *file, json_t *summary)
                      "chunks", describe_chunks(file), "summary", summary);
 }
 
-static void print_text(const al_file *file, const json_t *summary)
+static void print_measured(const json_t *measured)
+{
+    for (size_t i = 0; i < json_array_size(measured); i++) {
+        const json_t *m = json_array_get(measured, i);
+        const char *unit = json_string_value(json_object_get(m, "unit"));
+        const json_t *relative = json_object_get(m, "relative_rmse");
+        printf("\nmeasured: %s\n  %lld numbers; %s\n  ", json_string_value(json_object_get(m, "compared")),
+               (long long)json_integer_value(json_object_get(m, "count")),
+               json_string_value(json_object_get(m, "settings")));
+        if (json_is_real(relative)) printf("relative RMSE %.4g, ", json_real_value(relative));
+        printf("RMSE %.4g%s%s, largest deviation %.4g", json_number_value(json_object_get(m, "rmse")),
+               *unit ? " " : "", unit, json_number_value(json_object_get(m, "largest")));
+        double noise = json_number_value(json_object_get(m, "standard_error"));
+        if (noise > 0) printf(", standard error of the truth %.4g", noise);
+        printf("\n");
+    }
+}
+
+static void print_text(const al_file *file, const json_t *summary, const json_t *measured)
 {
     printf("%s: %s, format %u.%u, written by %s, %" PRIu64 " bytes\n\n", al_file_name(file),
            al_kind_name(al_file_kind(file)), al_file_major(file), al_file_minor(file), al_file_writer(file),
@@ -82,6 +100,7 @@ static void print_text(const al_file *file, const json_t *summary)
         printf("%-20s %s\n", json_object_iter_key(i), text ? text : "");
         free(text);
     }
+    print_measured(measured);
 }
 
 static void print_json(const json_t *value)
@@ -120,14 +139,17 @@ static al_status show(const al_file *file, const inspected_kind *kind, const req
     json_t *summary = NULL;
     al_status status = kind->summary(file, &summary, error);
     if (status != AL_OK) return status;
+    json_t *measured = json_measured(file);
     if (asked->json) {
+        if (json_array_size(measured)) json_object_set(summary, "measured", measured);
         json_t *all = describe(file, summary);
         json_object_set_new(all, "valid", json_boolean(!json_array_size(findings)));
         print_json(all);
         json_decref(all);
     } else {
-        print_text(file, summary);
+        print_text(file, summary, measured);
     }
+    json_decref(measured);
     json_decref(summary);
     return AL_OK;
 }

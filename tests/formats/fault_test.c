@@ -44,7 +44,9 @@ static al_status write_asset(const char *path, int variant, al_error *error)
                                       coefficients,
                                       density,
                                       NULL,
-                                      NULL};
+                                      NULL,
+                                      NULL,
+                                      0};
     return al_translucent_write(path, &data, NULL, error);
 }
 

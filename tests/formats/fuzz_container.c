@@ -44,6 +44,16 @@ static bool read_translucent(const al_file *file)
     return good;
 }
 
+static bool read_measured(const al_file *file)
+{
+    for (uint32_t i = 0; i < al_measured_count(file); i++) {
+        al_measured m;
+        if (al_measured_read(file, i, &m, NULL) != AL_OK) return false;
+        REQUIRE(m.count > 0 && isfinite(m.rmse) && isfinite(m.largest) && strlen(m.compared) < al_file_size(file));
+    }
+    return true;
+}
+
 static bool read_lightmap(const al_file *file)
 {
     al_lightmap_info info;
@@ -179,6 +189,7 @@ static void try_bytes(const uint8_t *data, size_t size)
                     : kind == AL_KIND_PROBES         ? read_probes(file)
                     : kind == AL_KIND_MEDIUM         ? read_medium(file)
                                                      : read_translucent(file);
+        read = read_measured(file) && read;
         REQUIRE(read || checked != AL_OK);
         al_file_close(file);
     } else {

@@ -39,7 +39,17 @@ void golden_fill_translucent(al_coefficient_format format, golden_translucent *g
                                                             : "{\"key\":\"0123456789abcdef\",\"seed\":7}";
     const uint8_t *blockers = format == AL_COEFFICIENT_BYTE ? golden->blockers : NULL;
     golden->data = (al_translucent_data){info, golden->positions, golden->gaussians, golden->coefficients,
-                                         golden->density, blockers, provenance};
+                                         golden->density, blockers, provenance, NULL, 0};
+}
+
+void golden_fill_measured(golden_translucent *golden)
+{
+    static const al_measured measured[] = {
+        {"transmittance \xc3\x97 3", "128 directions, order 1", "", 3, 0.125, 0.5, 0.25, 0},
+        {"light", "", "W/m2", 1, 0.0625, 0, 0.0625, 0.03125}};
+    golden_fill_translucent(AL_COEFFICIENT_FLOAT, golden);
+    golden->data.measured = measured;
+    golden->data.measured_count = 2;
 }
 
 /* --- lightmap --- */
@@ -103,7 +113,7 @@ void golden_fill_probes(al_probes_data *data)
         coefficients[i] = k ? -0.03125f * (float)k
                             : 1 + 0.25f * (float)probe + 0.125f * (float)layer + 0.0625f * (float)channel;
     }
-    *data = (al_probes_data){{5, 2, 2}, positions, tetrahedra, coefficients, "{\"key\":\"8899aabbccddeeff\"}"};
+    *data = (al_probes_data){{5, 2, 2}, positions, tetrahedra, coefficients, "{\"key\":\"8899aabbccddeeff\"}", NULL, 0};
 }
 
 /* --- scene --- */
@@ -244,7 +254,7 @@ void golden_fill_impulse(golden_impulse *golden)
             golden->values[t][i] = i % table->number_count == 0 ? 1 + (float)i / 64 : (float)(t + 1) / (float)(i + 2);
     }
     golden->data = (al_impulse_data){{3, 2, GOLDEN_TABLES, 0.0009765625, 1024, 0.0000152587890625, 0.0001220703125},
-                                     golden->tables, "{\"key\":\"00112233445566aa\"}"};
+                                     golden->tables, "{\"key\":\"00112233445566aa\"}", NULL, 0};
 }
 
 /* --- medium --- */

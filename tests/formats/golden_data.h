@@ -21,6 +21,9 @@ typedef struct golden_translucent {
  * float: one sample, order 1. */
 void golden_fill_translucent(al_coefficient_format format, golden_translucent *golden);
 
+/* The float one with two measured errors: 3 numbers without a unit, one in W/m2 of a random truth. */
+void golden_fill_measured(golden_translucent *golden);
+
 typedef struct golden_lightmap {
     al_lightmap_data data;
     al_lightmap_instance instances[2];

@@ -13,7 +13,7 @@ static const char *const valid[] = {"translucent_float_1_0", "translucent_half_1
                                     "scene_moving_1_0",
                                     "impulse_tables_1_0",   "lightmap_float_1_0", "lightmap_half_1_0",
                                     "medium_1_0",           "medium_sky_1_0",     "medium_depth_1_0",
-                                    "probes_1_0"};
+                                    "probes_1_0",           "translucent_measured_1_0"};
 
 static forged load_golden(const char *name)
 {
@@ -114,6 +114,10 @@ static al_status read_whole(const char *name, forged f, al_error *error)
         if (status == AL_OK) status = al_translucent_read_grid(file, &info, &density, &blockers, error);
         for (uint32_t p = 0; status == AL_OK && p < al_translucent_page_count(&info); p++)
             status = al_translucent_read_page(file, &info, p, &page, error);
+    }
+    for (uint32_t i = 0; status == AL_OK && i < al_measured_count(file); i++) {
+        al_measured measured;
+        status = al_measured_read(file, i, &measured, error);
     }
     al_file_close(file);
     return status;
@@ -239,6 +243,9 @@ static void test_same_bytes(const char *folder)
         CHECK(al_translucent_write(path, &golden.data, NULL, &error) == AL_OK);
         compare_bytes(valid[format], path);
     }
+    golden_fill_measured(&golden);
+    CHECK(al_translucent_write(path, &golden.data, NULL, &error) == AL_OK);
+    compare_bytes("translucent_measured_1_0", path);
     for (int format = 0; format < 2; format++) {
         golden_lightmap lightmap;
         golden_fill_lightmap((al_lightmap_format)format, &lightmap);

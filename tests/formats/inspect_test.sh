@@ -43,7 +43,7 @@ same() {
 
 cd "$golden" || exit 1
 
-for kind in translucent_byte scene scene_lit scene_moving impulse_tables lightmap_half medium probes; do
+for kind in translucent_byte scene scene_lit scene_moving impulse_tables lightmap_half medium probes translucent_measured; do
     run 0 ${kind}_1_0.air
     same $kind.txt
     run 0 --json ${kind}_1_0.air

@@ -23,16 +23,20 @@ static al_status write_valid(const char *folder, al_error *error)
         al_status status = al_translucent_write(path, &golden.data, NULL, error);
         if (status != AL_OK) return status;
     }
+    golden_fill_measured(&golden);
+    snprintf(path, sizeof path, "%s/translucent_measured_1_0.air", folder);
+    al_status status = al_translucent_write(path, &golden.data, NULL, error);
+    if (status != AL_OK) return status;
     for (int format = 0; format < 2; format++) {
         golden_lightmap lightmap;
         snprintf(path, sizeof path, "%s/lightmap_%s_1_0.air", folder, names[format]);
         golden_fill_lightmap((al_lightmap_format)format, &lightmap);
-        al_status status = al_lightmap_write(path, &lightmap.data, NULL, error);
+        status = al_lightmap_write(path, &lightmap.data, NULL, error);
         if (status != AL_OK) return status;
     }
     golden_fill_scene(&scene);
     snprintf(path, sizeof path, "%s/scene_1_0.air", folder);
-    al_status status = al_scene_write(path, &scene, "{\"key\":\"fedcba9876543210\"}", NULL, error);
+    status = al_scene_write(path, &scene, "{\"key\":\"fedcba9876543210\"}", NULL, error);
     if (status != AL_OK) return status;
     golden_fill_lit_scene(&scene);
     snprintf(path, sizeof path, "%s/scene_lit_1_0.air", folder);

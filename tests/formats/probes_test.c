@@ -107,7 +107,7 @@ static void check_outside(const al_probes *probes)
 
 static void check_nearest(const char *path, mesh *m)
 {
-    al_probes_data data = {{2, 0, 1}, m->positions, NULL, m->coefficients, NULL};
+    al_probes_data data = {{2, 0, 1}, m->positions, NULL, m->coefficients, NULL, NULL, 0};
     const float near_second[3] = {0.75f, 5, 0};
     al_error error = {0};
     al_file *file;
@@ -131,7 +131,7 @@ int main(void)
     if (!folder_make(folder, sizeof folder)) return test_skip("no temporary folder");
     snprintf(path, sizeof path, "%s/probes.air", folder);
     fill(&m);
-    al_probes_data data = {{PROBES, CUBES * 6, 1}, m.positions, m.tetrahedra, m.coefficients, NULL};
+    al_probes_data data = {{PROBES, CUBES * 6, 1}, m.positions, m.tetrahedra, m.coefficients, NULL, NULL, 0};
     CHECK(al_probes_write(path, &data, NULL, &error) == AL_OK);
     CHECK(al_file_open(path, NULL, &file, &error) == AL_OK);
     if (!file) return test_end();

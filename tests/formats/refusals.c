@@ -3,6 +3,7 @@
 #define BYTE "translucent_byte_1_0"
 #define HALF "translucent_half_1_0"
 #define FLOAT "translucent_float_1_0"
+#define MEASURED "translucent_measured_1_0"
 #define SCENE "scene_1_0"
 #define PROBES "probes_1_0"
 #define LIT "scene_lit_1_0"
@@ -82,6 +83,13 @@ const refusal refusals[] = {
     {133, "text_outside", SCENE, SEAL_ALL, {CHUNK("LITE", 0, 0, 4, 100000)}},
     {133, "text_not_terminated", SCENE, SEAL_ALL, {CHUNK("TEXT", 0, 96, 1, 'x')}},
     {134, "provenance_no_object", HALF, SEAL_ALL, {CHUNK("PROV", 0, 0, 1, '[')}},
+    {130, "measured_too_short", MEASURED, SEAL_ALL, {RESIZE("MEAS", 1, 47), CHUNK("MEAS", 1, 47, 8, 0), CHUNK("MEAS", 1, 55, 8, 0)}},
+    {131, "measured_not_finite", MEASURED, SEAL_ALL, {CHUNK("MEAS", 0, 16, 8, 0x7ff0000000000000)}},
+    {132, "measured_negative", MEASURED, SEAL_ALL, {CHUNK("MEAS", 0, 32, 8, 0xbff0000000000000)}},
+    {132, "measured_of_nothing", MEASURED, SEAL_ALL, {CHUNK("MEAS", 1, 12, 4, 0)}},
+    {133, "measured_text_outside", MEASURED, SEAL_ALL, {CHUNK("MEAS", 0, 4, 4, 1000)}},
+    {135, "measured_text_cut", MEASURED, SEAL_ALL, {CHUNK("MEAS", 1, 59, 1, 'x')}},
+    {135, "measured_text_not_utf8", MEASURED, SEAL_ALL, {CHUNK("MEAS", 0, 50, 1, 0xff)}},
 
     {201, "two_channels", FLOAT, SEAL_ALL, {CHUNK("INFO", 0, 12, 4, 2)}},
     {202, "odd_directions", FLOAT, SEAL_ALL, {CHUNK("INFO", 0, 20, 4, 127)}},

@@ -70,7 +70,9 @@ static cloud *make_cloud(al_coefficient_format format)
                                     c->coefficients,
                                     c->density,
                                     c->blockers,
-                                    "{\"seed\": 1}"};
+                                    "{\"seed\": 1}",
+                                    NULL,
+                                    0};
     return c;
 }
 

@@ -16,7 +16,7 @@
 #ifndef AIRLIGHT_IMPULSE_TABLES_H
 #define AIRLIGHT_IMPULSE_TABLES_H
 
-#include "airlight/container.h"
+#include "airlight/measured.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -179,6 +179,8 @@ typedef struct al_impulse_data {
     al_impulse_info info; /* table_count counts `tables` */
     const al_impulse_table *tables;
     const char *provenance_json;
+    const al_measured *measured; /* chunks MEAS */
+    uint32_t measured_count;
 } al_impulse_data;
 
 /* Writes the whole asset atomically. bytes may be NULL. */

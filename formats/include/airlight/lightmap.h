@@ -12,7 +12,7 @@
 #ifndef AIRLIGHT_LIGHTMAP_H
 #define AIRLIGHT_LIGHTMAP_H
 
-#include "airlight/container.h"
+#include "airlight/measured.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -102,6 +102,8 @@ typedef struct al_lightmap_data {
     const float *vertices;                 /* [vertex_count][5] world position in metres, page uv */
     const uint32_t *triangles;             /* [triangle_count][3] */
     const char *provenance_json;
+    const al_measured *measured; /* chunks MEAS */
+    uint32_t measured_count;
 } al_lightmap_data;
 
 /* Encodes and writes the whole asset atomically. Halfs are scaled by a power of two for each page and layer

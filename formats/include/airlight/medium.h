@@ -14,7 +14,7 @@
 
 #include <stdbool.h>
 
-#include "airlight/container.h"
+#include "airlight/measured.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -145,6 +145,8 @@ typedef struct al_medium_data {
     al_medium_depths_fn *depths;
     void *depths_user;
     const char *provenance_json; /* kept as chunk PROV; may be NULL */
+    const al_measured *measured; /* chunks MEAS */
+    uint32_t measured_count;
 } al_medium_data;
 
 /* Asks for every slice twice, in order (its maximum, then its bricks; nine slices are kept), and writes the

@@ -56,6 +56,8 @@ typedef struct al_probes_data {
     const uint32_t *tetrahedra;
     const float *coefficients;
     const char *provenance_json;
+    const al_measured *measured; /* chunks MEAS */
+    uint32_t measured_count;
 } al_probes_data;
 
 /* Writes the whole asset atomically. bytes may be NULL. */

@@ -10,7 +10,7 @@
 #ifndef AIRLIGHT_TRANSLUCENT_H
 #define AIRLIGHT_TRANSLUCENT_H
 
-#include "airlight/container.h"
+#include "airlight/measured.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -85,7 +85,14 @@ typedef struct al_translucent_data {
     const uint16_t *density;     /* [z][y][x] unorm16 of density_max */
     const uint8_t *blockers;     /* [z][y][x] or NULL */
     const char *provenance_json; /* settings and content hashes of the inputs: kept as chunk PROV */
+    const al_measured *measured; /* chunks MEAS */
+    uint32_t measured_count;
 } al_translucent_data;
+
+/* What al_translucent_evaluate will say, once `data` is written, at `count` points towards as many directions:
+ * [count][3] each. */
+al_status al_translucent_foretell(const al_translucent_data *data, uint32_t count, const float *positions,
+                                  const float *directions, float *transmittances, al_error *error);
 
 /* Encodes (info.format), pages (info.page_size; 0: 4096) and writes the whole asset atomically; has_blockers
  * follows `blockers`. Errors of the encodings: docs/formats.md. bytes may be NULL. */
