@@ -92,7 +92,7 @@ static double up(const axis *a, double value)
     return HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * (value - a->low) / (a->high - a->low);
 }
 
-/* At 1, 2 and 5 times powers of ten; evenly spaced where there is less than a decade's third. */
+/* At 1, 2 and 5 times powers of ten; evenly spaced where those are fewer than three. */
 static int ticks(const axis *a, double values[16])
 {
     static const double steps[] = {1, 2, 5};
@@ -102,7 +102,8 @@ static int ticks(const axis *a, double values[16])
             double value = steps[i] * pow(10, decade);
             if (log10(value) >= a->low && log10(value) <= a->high) values[count++] = value;
         }
-    for (int i = 0; count < 3 && i < 4; i++) values[count++] = pow(10, a->low + (a->high - a->low) * (0.5 + i) / 4);
+    if (count >= 3) return count;
+    for (count = 0; count < 4; count++) values[count] = pow(10, a->low + (a->high - a->low) * (0.5 + count) / 4);
     return count;
 }
 
