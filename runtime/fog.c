@@ -38,17 +38,42 @@ void al_fog_free(al_runtime *runtime)
 uint64_t al_fog_bytes(const al_runtime *runtime)
 {
     const al_fogs *fogs = &runtime->fogs;
-    return fogs->constants.size + fogs->cells.size + fogs->bricks.bytes + runtime->targets.fog_light.bytes +
-           runtime->targets.fog_kept.bytes;
+    return fogs->constants.size + runtime->targets.fog_light.bytes + runtime->targets.fog_kept.bytes;
+}
+
+uint64_t al_fog_grid_bytes(const al_runtime *runtime)
+{
+    return runtime->fogs.cells.size + runtime->fogs.bricks.bytes;
 }
 
 /* --- bricks --- */
+
+/* One voxel that holds for all of the bounds: such a medium needs no bricks. */
+static bool is_constant(const al_medium_info *info)
+{
+    return info->extended && info->size[0] == 1 && info->size[1] == 1 && info->size[2] == 1;
+}
 
 static uint64_t cell_count(const al_medium_info *info)
 {
     uint32_t cells[3];
     al_medium_cells(info, cells);
     return (uint64_t)cells[0] * cells[1] * cells[2];
+}
+
+static al_status make_bricks(al_runtime *runtime, uint64_t cells, al_error *error)
+{
+    al_fogs *fogs = &runtime->fogs;
+    al_status status = al_gl_buffer_create(&runtime->memory, cells * 4, NULL, &fogs->cells, error);
+    if (!status)
+        status = al_gl_texture_create(&runtime->memory, GL_TEXTURE_3D, GL_R16F,
+                                      (uint32_t)fogs->atlas[0] * AL_BRICK_EDGE,
+                                      (uint32_t)fogs->atlas[1] * AL_BRICK_EDGE,
+                                      (uint32_t)fogs->atlas[2] * AL_BRICK_EDGE, 1, &fogs->bricks, error);
+    if (status) return status;
+    glTextureParameteri(fogs->bricks.id, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTextureParameteri(fogs->bricks.id, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    return AL_OK;
 }
 
 /* The loader hands out every medium before the first brick, so that sizes are known. */
@@ -58,7 +83,7 @@ static al_status make_atlas(al_runtime *runtime, al_error *error)
     uint64_t bricks = 0, cells = 0;
     for (uint32_t i = 0; i < runtime->scene.fog_count; i++) {
         al_fog_medium *medium = &fogs->media[i];
-        if (!medium->present) continue;
+        if (!medium->present || is_constant(&medium->info)) continue;
         for (uint32_t s = 0; s < al_fog_slot_count(&medium->info); s++) {
             medium->slots[s].first_brick = (uint32_t)bricks;
             medium->slots[s].first_cell = cells;
@@ -83,21 +108,15 @@ static al_status make_atlas(al_runtime *runtime, al_error *error)
             "fogs: %llu bricks in %llu cells are more than this OpenGL's textures and buffers hold",
             (unsigned long long)bricks, (unsigned long long)cells);
     fogs->atlas[2] = (int32_t)layers;
-    al_status status = al_gl_buffer_create(&runtime->memory, cells * 4, NULL, &fogs->cells, error);
-    if (!status)
-        status = al_gl_texture_create(&runtime->memory, GL_TEXTURE_3D, GL_R16F,
-                                      (uint32_t)fogs->atlas[0] * AL_BRICK_EDGE,
-                                      (uint32_t)fogs->atlas[1] * AL_BRICK_EDGE,
-                                      (uint32_t)layers * AL_BRICK_EDGE, 1, &fogs->bricks, error);
-    if (status) return status;
-    glTextureParameteri(fogs->bricks.id, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-    glTextureParameteri(fogs->bricks.id, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    return al_fog_sky_upload(runtime, error);
+    al_status status = bricks ? make_bricks(runtime, cells, error) : AL_OK;
+    fogs->placed = !status;
+    return status ? status : al_fog_sky_upload(runtime, error);
 }
 
 /* The index of bricks of the frame that comes in, with the atlas's numbers. */
 static al_status upload_cells(const al_fogs *fogs, const al_fog_medium *medium, al_error *error)
 {
+    if (is_constant(&medium->info)) return AL_OK;
     const al_fog_slot *slot = &medium->slots[medium->incoming];
     uint64_t count = cell_count(&medium->info);
     uint32_t *cells = malloc(count * sizeof *cells);
@@ -143,7 +162,7 @@ al_status al_fog_accept(al_runtime *runtime, const al_arrival *arrival, uint64_t
         al_fog_begin_frame(medium, arrival->frame_index, &arrival->frame);
         return AL_OK;
     }
-    al_status status = fogs->bricks.id ? AL_OK : make_atlas(runtime, error);
+    al_status status = fogs->placed ? AL_OK : make_atlas(runtime, error);
     al_fog_slot *slot = &medium->slots[medium->incoming];
     if (!status && !slot->loaded) status = upload_cells(fogs, medium, error);
     if (status) {
@@ -151,7 +170,7 @@ al_status al_fog_accept(al_runtime *runtime, const al_arrival *arrival, uint64_t
         return status;
     }
     uint64_t at = runtime->arrived, count = al_budget_share(budget, BRICK_BYTES, arrival->bricks.count - at);
-    for (uint64_t i = at; i < at + count; i++)
+    for (uint64_t i = at; i < at + count && !is_constant(&medium->info); i++)
         upload_brick(fogs, slot->first_brick + arrival->bricks.first + (uint32_t)i,
                      arrival->bricks.values + i * AL_BRICK_SIZE);
     runtime->arrived += (uint32_t)count;
@@ -173,12 +192,6 @@ static void fill_constant(const al_fog *fog, const al_medium *medium, al_fog_ent
     entry->low[3] = fog->bounded;
     entry->sigma_t[3] = medium->g;
     entry->sigma_s[3] = 1;
-}
-
-/* One voxel that holds for all of the bounds. */
-static bool is_constant(const al_medium_info *info)
-{
-    return info->extended && info->size[0] == 1 && info->size[1] == 1 && info->size[2] == 1;
 }
 
 /* The texture holds densities in units of their maximum / AL_MEDIUM_UNIT. */

@@ -158,6 +158,33 @@ void al_model_free(al_runtime *runtime)
     memset(model, 0, sizeof *model);
 }
 
+static bool is_glossy(const al_scene *scene, uint32_t material)
+{
+    return material >= scene->material_count || scene->materials[material].metallic > 0 ||
+           scene->materials[material].ior != 1;
+}
+
+bool al_model_is_glossy(const al_runtime *runtime)
+{
+    const al_scene *scene = &runtime->scene;
+    for (uint32_t i = 0; i < scene->instance_count; i++) {
+        const al_mesh *mesh = &scene->meshes[scene->instances[i].mesh];
+        for (uint32_t k = 0; k < mesh->submesh_count && scene->instances[i].role == AL_ROLE_OPAQUE; k++)
+            if (is_glossy(scene, mesh->submeshes[k].material)) return true;
+    }
+    return false;
+}
+
+uint64_t al_model_bytes(const al_runtime *runtime)
+{
+    const al_model *model = &runtime->model;
+    uint64_t bytes = 0;
+    for (uint32_t i = 0; i < model->mesh_count; i++)
+        bytes += model->meshes[i].vertices.size + model->meshes[i].indices.size;
+    for (uint32_t i = 0; i < model->texture_count; i++) bytes += model->textures[i].bytes;
+    return bytes;
+}
+
 void al_model_world_box(const al_runtime *runtime, const al_instance *instance, float low[3], float high[3])
 {
     const al_model_mesh *mesh = &runtime->model.meshes[instance->mesh];

@@ -94,15 +94,6 @@ static al_status upload_slices(al_object *object, const al_arrival *arrival, uin
     return AL_OK;
 }
 
-uint64_t al_budget_share(uint64_t *budget, uint64_t size, uint64_t left)
-{
-    uint64_t count = size ? *budget / size : left;
-    count = count < 1 ? 1 : count;
-    count = count > left ? left : count;
-    *budget = count * size < *budget ? *budget - count * size : 0;
-    return count;
-}
-
 static al_status accept_object(al_runtime *runtime, al_object *object, const al_arrival *arrival,
                                uint64_t *budget, bool *done, al_error *error)
 {

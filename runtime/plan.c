@@ -16,7 +16,7 @@ static uint64_t object_bytes(const al_runtime *runtime, bool grid)
         const al_object *o = &runtime->objects[i];
         bytes += grid ? o->density.bytes
                       : o->positions.size + o->gaussians.size + o->coefficients.size + o->scales.size +
-                            o->lit.size;
+                            o->lit.size + o->constants.size;
     }
     return bytes;
 }
@@ -79,6 +79,12 @@ static void add_effects(al_runtime *runtime, uint32_t *count, uint64_t shared)
         : !scene->light_count && !runtime->model.has_emission ? "no light and no emission"
                                                                : left_out(runtime, "on request"),
         effect_stages[AL_BOUNCE_INDIRECT], occlusion ? 0 : shared);
+    bool gloss = al_model_is_glossy(runtime);
+    add(runtime, count, "glossy", indirect && gloss,
+        !indirect ? "no light between surfaces"
+        : gloss   ? "rays and light between surfaces follow the lobes of glossy ones"
+                  : "no glossy surface: rays are drawn by the cosine alone",
+        0, 0);
     bool history = ran(runtime, STAGE(OCCLUSION_HISTORY) | STAGE(INDIRECT_HISTORY));
     add(runtime, count, "temporal", history,
         history                 ? "asked for; light between surfaces is averaged over frames"
@@ -116,6 +122,13 @@ static void add_scattering(al_runtime *runtime, uint32_t *count)
     add_effects(runtime, count, visibility ? 0 : al_bounce_bytes(runtime));
 }
 
+static bool any_grid(const al_scene *scene)
+{
+    for (uint32_t i = 0; i < scene->fog_count; i++)
+        if (*scene->fogs[i].asset) return true;
+    return false;
+}
+
 static void add_fog(al_runtime *runtime, uint32_t *count)
 {
     bool fog = ran(runtime, STAGE(FOG));
@@ -124,6 +137,13 @@ static void add_fog(al_runtime *runtime, uint32_t *count)
         : !runtime->scene.fog_count ? "no fog"
                                      : left_out(runtime, "switched off, or no density has arrived"),
         STAGE(FOG), al_fog_bytes(runtime));
+    uint64_t grid = al_fog_grid_bytes(runtime);
+    add(runtime, count, "density grid", grid > 0,
+        grid > 0                    ? "the density of a fog varies"
+        : !runtime->scene.fog_count ? "no fog"
+        : any_grid(&runtime->scene) ? "no density has arrived"
+                                    : "the density of every fog is constant",
+        0, grid);
 }
 
 /* Translucent objects: their samples' light, the way to the eye, and what comes along it. */
@@ -147,6 +167,8 @@ const al_plan_row *al_runtime_plan(al_runtime *runtime, uint32_t *count)
          deforms = scene->motion.deform_count > 0, shadow = runtime->shadow.depth.id != 0,
          surface = ran(runtime, STAGE(SURFACE)), composite = ran(runtime, STAGE(COMPOSITE)),
          sky = al_fog_sky_exists(runtime) && ran(runtime, STAGE(FOG));
+    add(runtime, count, "scene", true, "meshes, textures, and what all passes read", 0,
+        al_model_bytes(runtime) + runtime->frame_block.size);
     add(runtime, count, "skin", deforms,
         deforms ? "skinned or morphed meshes, whenever the time changes" : "no mesh has a skin or morph targets that move",
         STAGE(SKIN), al_motion_bytes(runtime));

@@ -162,6 +162,15 @@ al_status al_runtime_load(al_runtime *runtime, const char *folder, al_error *err
     return status;
 }
 
+uint64_t al_budget_share(uint64_t *budget, uint64_t size, uint64_t left)
+{
+    uint64_t count = size ? *budget / size : left;
+    count = count < 1 ? 1 : count;
+    count = count > left ? left : count;
+    *budget = count * size < *budget ? *budget - count * size : 0;
+    return count;
+}
+
 /* Uploads a part of what has arrived; *done when nothing of it is left. */
 static al_status accept(al_runtime *runtime, uint64_t *budget, bool *done, al_error *error)
 {

@@ -16,7 +16,7 @@ enum {
     AL_TILE_HEIGHT = 1088,
     AL_KNOT_LIMIT = 32,
     AL_ENVIRONMENT_BANDS = 9,
-    AL_PLAN_LIMIT = 24
+    AL_PLAN_LIMIT = 32
 };
 
 /* Texture units of shaders/: the first two and the last eight keep their texture through a frame, and that of
@@ -103,6 +103,7 @@ typedef struct al_fogs {
     int32_t sky_stride; /* texels along x from number to number of sky_light */
     int32_t depth_stride; /* likewise of depth, from texel to texel of a point */
     uint32_t shown[AL_FOG_LIMIT]; /* number among scene.fogs of each of block.fogs */
+    bool placed;        /* all media have their place in bricks, and the sky's light is uploaded */
     bool drawn;         /* in the frame being drawn */
     al_fog_block block; /* of that frame */
 } al_fogs;
@@ -361,12 +362,17 @@ typedef struct al_draw {
     al_error *error;
 } al_draw;
 
-/* runtime.c: frees the buffers and textures of passes that the frame did without */
+/* runtime.c */
+/* Frees the buffers and textures of passes that the frame did without */
 void al_runtime_sweep(al_runtime *runtime);
+/* How many units of `size` bytes fit the budget, at least one and at most `left`; takes them off. */
+uint64_t al_budget_share(uint64_t *budget, uint64_t size, uint64_t left);
 
 /* model.c */
 al_status al_model_create(al_runtime *runtime, al_error *error);
 void al_model_free(al_runtime *runtime);
+bool al_model_is_glossy(const al_runtime *runtime); /* an opaque surface has a lobe beside Lambert's */
+uint64_t al_model_bytes(const al_runtime *runtime); /* without second UV sets, which are the lightmap's */
 void al_model_world_box(const al_runtime *runtime, const al_instance *instance, float low[3], float high[3]);
 
 /* motion.c: al_runtime_set_time, and what follows it on the GPU */
@@ -386,8 +392,6 @@ void al_environment_for_object(const al_draw *draw, al_object *object);
  * when nothing of it is left. */
 al_status al_object_accept(al_runtime *runtime, const al_arrival *arrival, uint64_t *budget, bool *done,
                            al_error *error);
-/* How many units of `size` bytes fit the budget, at least one and at most `left`; takes them off. */
-uint64_t al_budget_share(uint64_t *budget, uint64_t size, uint64_t left);
 void al_object_free(al_runtime *runtime, al_object *object);
 uint64_t al_object_coefficient_size(const al_translucent_info *info); /* bytes per sample */
 /* Fills draw->block's casters and every object's block, prefix, order and place in view; sorts. */
@@ -417,6 +421,7 @@ const char *al_fog_define(const al_draw *draw); /* of shaders that attenuate lig
 al_status al_fog_draw(al_draw *draw);           /* over the opaque surfaces */
 al_status al_fog_draw_front(al_draw *draw);     /* up to the boundary of one translucent object */
 uint64_t al_fog_bytes(const al_runtime *runtime);
+uint64_t al_fog_grid_bytes(const al_runtime *runtime); /* of densities that vary, not in al_fog_bytes */
 
 /* interval_map.c */
 /* Fills the block of the frame's shells; surfels are splatted. */

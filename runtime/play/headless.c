@@ -245,20 +245,22 @@ static al_status render_and_watch(session *s, al_error *error)
     return status == AL_CANCELLED ? AL_OK : status;
 }
 
-/* Of a frame that is drawn and shown to nobody: what passes run follows from the options, the view and the scene. */
+/* Of the second of two frames that are drawn and shown to nobody: what passes run follows from the options, the view and
+ * the scene; the first one builds the shaders. */
 static al_status print_plan(session *s, al_error *error)
 {
     uint32_t count = 0;
     s->frame = 0;
     al_progress_begin(&s->progress, s->program, "plan");
     al_status status = show_frame_time(s, error);
-    if (!status) status = draw(s, error);
+    for (int i = 0; i < 2 && !status; i++) status = draw(s, error);
     if (status) return status;
     al_progress_end(&s->progress);
+    al_runtime_times(s->runtime, NULL, 0);
     const al_plan_row *rows = al_runtime_plan(s->runtime, &count);
     for (uint32_t i = 0; i < count; i++)
-        printf("%-24s %-4s %10llu bytes  %s\n", rows[i].step, rows[i].needed ? "yes" : "no",
-               (unsigned long long)rows[i].bytes, rows[i].why);
+        printf("%-24s %-4s %10.3f ms %12llu bytes  %s\n", rows[i].step, rows[i].needed ? "yes" : "no",
+               1e3 * rows[i].seconds, (unsigned long long)rows[i].bytes, rows[i].why);
     return AL_OK;
 }
 

@@ -109,7 +109,7 @@ static void check_plan(al_runtime *runtime, int number)
         bytes += plan[i].bytes;
         CHECK(plan[i].why[0] && (plan[i].needed || plan[i].seconds == 0));
     }
-    CHECK(bytes <= al_runtime_memory(runtime));
+    CHECK(bytes == al_runtime_memory(runtime));
     for (int r = 0; r < ROWS; r++) {
         const al_plan_row *row = find(plan, count, rows[r].row);
         bool ran = false;

@@ -121,7 +121,7 @@ static void test_plan(const char *folder)
     al_error error = {0};
     uint32_t count = 0, unneeded = 0;
     static const char *const others[] = {
-        "skin",        "surfels",  "interval-map", "surface-scattering", "visibility",        "sky light", "shadow",
+        "skin", "density grid", "glossy", "surfels",  "interval-map", "surface-scattering", "visibility",        "sky light", "shadow",
         "environment", "lightmap", "probes",       "direct-scattering",  "ambient-occlusion", "indirect",  "temporal"};
     al_pass_time times[16];
     CHECK(al_runtime_create(NULL, &runtime, &error) == AL_OK);
