@@ -329,7 +329,7 @@ void al_plans_free(al_plans *plans)
     *plans = (al_plans){0};
 }
 
-/* A line of the player's plan: the step, two spaces at least, yes or no, the bytes, why. */
+/* A line of the player's plan: the step, spaces, yes or no, time and bytes, why. */
 static bool play_needs(const char *plan, const char *step)
 {
     size_t length = strlen(step);

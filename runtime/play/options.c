@@ -194,7 +194,7 @@ static int parse(al_program *program, int argc, char **argv, al_play_options *op
          "brightness 2^EV of windows and PNG (the scene's)", -60, 60},
         {"--pass", "NAME", AL_OPTION_STRING, &raw.pass, "show one intermediate buffer; a wrong NAME lists them (composite)", 0, 0},
         {"--plan", NULL, AL_OPTION_FLAG, &options->plan,
-         "only say which passes a frame with the other options runs, why, and the bytes held", 0, 0},
+         "only say which passes a frame with the other options runs, why, their times and the bytes held", 0, 0},
         {"--target-error", "E", AL_OPTION_REAL, &options->target_error,
          "knobs of the fastest point of DIR/trade.csv that errs by at most E (airlight-trade makes it)", 1e-9, 1e9},
         {"--frame-ms", "T", AL_OPTION_REAL, &options->frame_ms,
