@@ -10,6 +10,10 @@ foreach(program IN LISTS programs)
   endif()
 endforeach()
 
+if(TARGET airlight_vdb_bridge)
+  install(TARGETS airlight_vdb_bridge LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/airlight)
+endif()
+
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/airlight)
 foreach(library formats runtime)
   if(TARGET airlight_${library})

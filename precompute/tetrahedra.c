@@ -2,7 +2,6 @@
 #include "tetrahedra.h"
 
 #include <errno.h>
-#include <limits.h>
 #include <signal.h>
 #include <spawn.h>
 #include <stdio.h>
@@ -12,6 +11,8 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "beside.h"
 
 extern char **environ;
 
@@ -66,15 +67,6 @@ static al_status write_surface(int file, const al_triangles *surface, al_error *
     return al_fail_errno(error, "airlight-tetrahedra", "hand the surface to");
 }
 
-static al_status find_program(char path[PATH_MAX], al_error *error)
-{
-    ssize_t size = readlink("/proc/self/exe", path, PATH_MAX - 32);
-    if (size <= 0) return al_fail_errno(error, "/proc/self/exe", "find the running program in");
-    path[size] = 0;
-    strcpy(strrchr(path, '/') + 1, "airlight-tetrahedra");
-    return AL_OK;
-}
-
 static al_status start(const char *path, const exchange *files, pid_t *child, al_error *error)
 {
     posix_spawn_file_actions_t actions;
@@ -125,7 +117,7 @@ static al_status run_program(const char *name, const exchange *files, al_error *
     char path[PATH_MAX];
     pid_t child;
     int ended = 0;
-    al_status status = find_program(path, error);
+    al_status status = al_find_beside("airlight-tetrahedra", path, error);
     if (!status) status = start(path, files, &child, error);
     if (status) return status;
     while (waitpid(child, &ended, 0) < 0)

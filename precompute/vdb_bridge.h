@@ -19,8 +19,9 @@ typedef struct al_vdb_grid { /* the box of the grid's active voxels */
 
 /* `grid_name` as in the scene file: "" for the file's only float grid, "name", "name[i]". Inactive voxels
  * inside the box count with the value they hold. Refuses boxes of more than `size_limit` bytes. */
-al_status al_vdb_read(const char *path, const char *grid_name, uint64_t size_limit, al_vdb_grid *grid,
-                      al_error *error);
+typedef al_status al_vdb_reader(const char *path, const char *grid_name, uint64_t size_limit, al_vdb_grid *grid,
+                                al_error *error);
+al_vdb_reader al_vdb_read; /* in the programs: loads the module of the same function */
 
 #ifdef __cplusplus
 }

@@ -13,6 +13,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "beside.h"
+
 extern char **environ;
 
 void al_command_begin(al_command *command, const char *program)
@@ -34,15 +36,6 @@ void al_command_add(al_command *command, const char *format, ...)
     }
     command->words[command->count++] = command->text + command->used;
     command->used += (size_t)length + 1;
-}
-
-static al_status find_program(const char *name, char path[PATH_MAX], al_error *error)
-{
-    ssize_t size = readlink("/proc/self/exe", path, PATH_MAX - 32);
-    if (size <= 0) return al_fail_errno(error, "/proc/self/exe", "find the running program in");
-    path[size] = 0;
-    strcpy(strrchr(path, '/') + 1, name);
-    return AL_OK;
 }
 
 static al_status start(const char *path, al_command *command, const int streams[2], pid_t *child, al_error *error)
@@ -125,7 +118,7 @@ al_status al_command_run(al_trade *trade, al_command *command, char **output, al
         status = al_fail_errno(error, command->program, "make files in memory for");
     else if (command->used >= sizeof command->text)
         status = al_fail(error, AL_IO, "%s: the names of its files are too long", command->program);
-    if (!status) status = find_program(command->program, path, error);
+    if (!status) status = al_find_beside(command->program, path, error);
     if (!status) status = start(path, command, streams, &child, error);
     if (!status) status = wait_for(trade, path, child, &ended, error);
     if (!status && !(WIFEXITED(ended) && WEXITSTATUS(ended) == 0)) status = explain(command->program, ended, streams[1], error);
