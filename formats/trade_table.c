@@ -1,6 +1,7 @@
 #include "airlight/trade_table.h"
 
 #include <errno.h>
+#include <jansson.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -24,6 +25,7 @@ typedef struct table {
     unsigned number; /* of the line */
     line head, row;
     int columns[FIGURE_COUNT], knob_count; /* knobs come before relative_rmse */
+    json_t *report;                        /* of the bake that points must be of; NULL: any of the front */
 } table;
 
 /* False at the end of the file; a line that is too long has no cells. */
@@ -92,13 +94,36 @@ static void take(const table *t, const double figures[FIGURE_COUNT], al_trade_pi
     }
 }
 
+/* Whether the row's bake had the settings of the one that is there. */
+static bool was_baked(const table *t)
+{
+    const json_t *settings = json_object_get(t->report, "settings");
+    for (int i = 0; i < t->knob_count; i++) {
+        const char *name = t->head.cells[i];
+        if (strchr(name, '.') && json_integer_value(json_object_get(settings, name)) != strtoll(t->row.cells[i], NULL, 10))
+            return false;
+    }
+    return true;
+}
+
+static al_status open_report(table *t, const char *folder, al_error *error)
+{
+    char path[4096];
+    json_error_t reason;
+    snprintf(path, sizeof path, "%s/report.json", folder);
+    t->report = json_load_file(path, 0, &reason);
+    if (json_is_object(json_object_get(t->report, "settings"))) return AL_OK;
+    return al_fail(error, AL_BAD_INPUT, "%s: %s; airlight-bake SCENE.json -o %s writes it", path,
+                   t->report ? "says no settings" : reason.text, folder);
+}
+
 static al_status pick_row(table *t, double target_error, double frame_ms, al_trade_pick *pick, al_error *error)
 {
     double figures[FIGURE_COUNT], least_error = INFINITY, least_ms = INFINITY;
     al_status status = read_head(t, error);
     while (!status && next_line(t, &t->row)) {
         status = read_figures(t, figures, error);
-        if (status || figures[FRONT] == 0) continue;
+        if (status || !(t->report ? was_baked(t) : figures[FRONT] != 0)) continue;
         least_error = fmin(least_error, figures[RELATIVE_RMSE]);
         least_ms = fmin(least_ms, figures[FRAME_MS]);
         if ((target_error > 0 && figures[RELATIVE_RMSE] > target_error) || (frame_ms > 0 && figures[FRAME_MS] > frame_ms)) continue;
@@ -106,11 +131,15 @@ static al_status pick_row(table *t, double target_error, double frame_ms, al_tra
         if (!pick->knob_count || better) take(t, figures, pick);
     }
     if (status || pick->knob_count) return status;
+    if (least_error == INFINITY && t->report)
+        return al_fail(error, AL_CHECK_FAILED, "%s: no point was baked with the settings of report.json; airlight-bake SCENE.json -o DIR "
+                       "--target-error E takes those of one", t->path);
     return al_fail(error, AL_CHECK_FAILED, "%s: no point meets what is asked; the most exact errs by %.3g, the fastest takes %.3g ms",
                    t->path, least_error, least_ms);
 }
 
-al_status al_trade_pick_point(const char *folder, double target_error, double frame_ms, al_trade_pick *pick, al_error *error)
+al_status al_trade_pick_point(const char *folder, double target_error, double frame_ms, bool as_baked, al_trade_pick *pick,
+                              al_error *error)
 {
     char path[4096];
     *pick = (al_trade_pick){0};
@@ -120,9 +149,12 @@ al_status al_trade_pick_point(const char *folder, double target_error, double fr
     t->path = path;
     t->file = fopen(path, "r");
     al_status status =
-        t->file ? pick_row(t, target_error, frame_ms, pick, error)
+        t->file ? AL_OK
                 : al_fail(error, AL_BAD_INPUT, "%s: cannot read: %s; airlight-trade SCENE.json -o %s makes it", path, strerror(errno), folder);
+    if (!status && as_baked) status = open_report(t, folder, error);
+    if (!status) status = pick_row(t, target_error, frame_ms, pick, error);
     if (t->file) fclose(t->file);
+    json_decref(t->report);
     free(t);
     if (status) *pick = (al_trade_pick){0};
     return status;

@@ -19,6 +19,7 @@
 #include "glb.h"
 #include "impulse_steps.h"
 #include "report.h"
+#include "setting.h"
 
 typedef struct arguments {
     const char *folder, *quality, *devices, *tables;
@@ -425,20 +426,9 @@ static al_status in_scene(const char *scene, al_status status, al_error *error)
 /* The place of a setting that airlight-trade turns; NULL: none of this name, or not of this value. */
 static uint32_t *find_setting(al_scene_description *d, const char *name, long value)
 {
-    const struct {
-        const char *name;
-        uint32_t *value;
-        long limit;
-    } settings[] = {{"bake.samples", &d->bake.samples, 10000000},
-                    {"bake.directions", &d->bake.directions, 4096},
-                    {"bake.sh_order", &d->bake.sh_order, 8},
-                    {"bake.grid_resolution", &d->bake.grid_resolution, 512},
-                    {"lightmap.samples", &d->lightmap.samples, 10000000},
-                    {"lightmap.bounces", &d->lightmap.bounces, 1000},
-                    {"lightmap.fog_points", &d->lightmap.fog_points, 64},
-                    {"probes.samples", &d->probes.samples, 10000000}};
-    for (size_t i = 0; i < sizeof settings / sizeof *settings; i++)
-        if (!strcmp(name, settings[i].name) && value >= 1 && value <= settings[i].limit) return settings[i].value;
+    al_setting setting;
+    for (int i = 0; al_setting_at(d, i, &setting); i++)
+        if (!strcmp(name, setting.name) && value >= 1 && value <= setting.limit) return setting.value;
     return NULL;
 }
 
@@ -449,7 +439,7 @@ static al_status take_target(bake *b, al_error *error)
     al_trade_pick *pick = &b->report.pick;
     al_scene_description *description = b->import->description;
     if (!(b->arguments->target_error > 0)) return AL_OK;
-    al_status status = al_trade_pick_point(b->arguments->folder, b->arguments->target_error, 0, pick, error);
+    al_status status = al_trade_pick_point(b->arguments->folder, b->arguments->target_error, 0, false, pick, error);
     for (int i = 0; i < pick->knob_count && !status; i++) {
         const al_trade_knob *knob = &pick->knobs[i];
         if (!strchr(knob->name, '.')) continue;

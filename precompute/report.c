@@ -11,6 +11,7 @@
 
 #include "airlight/container.h"
 #include "bake_lightmap.h"
+#include "setting.h"
 
 static json_t *plan_array(const al_plan *plan)
 {
@@ -66,6 +67,16 @@ static void append_lightmap(json_t *array, const char *folder, const al_report *
     append_asset(array, folder, "scene.glb", "glb");
 }
 
+/* What the bake was asked for, by which the player knows a point of airlight-trade again. */
+static json_t *list_settings(al_scene_description *description)
+{
+    json_t *list = json_object();
+    al_setting setting;
+    for (int i = 0; al_setting_at(description, i, &setting); i++)
+        json_object_set_new(list, setting.name, json_integer(*setting.value));
+    return list;
+}
+
 al_status al_report_write(const char *folder, const al_report *report, al_error *error)
 {
     const al_scene *scene = &report->import->scene;
@@ -93,8 +104,8 @@ al_status al_report_write(const char *folder, const al_report *report, al_error 
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
     json_t *root =
-        json_pack("{s:o, s:o, s:o, s:o, s:s, s:s, s:I}", "plan", plan_array(report->plan), "steps", steps,
-                  "inputs", inputs, "assets", assets, "device", report->device, "tool_version",
+        json_pack("{s:o, s:o, s:o, s:o, s:o, s:s, s:s, s:I}", "plan", plan_array(report->plan), "settings",
+                  list_settings(report->import->description), "steps", steps, "inputs", inputs, "assets", assets, "device", report->device, "tool_version",
                   "airlight-bake " AIRLIGHT_VERSION, "peak_memory_bytes", (json_int_t)usage.ru_maxrss * 1024);
     if (report->pick.knob_count)
         json_object_set_new(root, "expected", json_pack("{s:f, s:o, s:f, s:f}", "relative_rmse", report->pick.relative_rmse, "held_out_relative_rmse",

@@ -309,7 +309,7 @@ int al_play_options_parse(al_program *program, int argc, char **argv, al_play_op
     if (code >= 0 || !(options->target_error > 0 || options->frame_ms > 0)) return code;
     if (!options->folder)
         return refuse(program, "--target-error and --frame-ms need the baked folder, with its trade.csv; see %s --help", program->name);
-    if (al_trade_pick_point(options->folder, options->target_error, options->frame_ms, &pick, &error))
+    if (al_trade_pick_point(options->folder, options->target_error, options->frame_ms, true, &pick, &error))
         return al_program_fail(program, &error);
     al_trade_pick_describe(&pick, text, sizeof text);
     al_program_say(program, "expects %s", text);

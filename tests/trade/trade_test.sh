@@ -54,6 +54,11 @@ grep -q '"expected"' "$work/whole/report.json" || wrong "report.json does not sa
 grep -q 'expects relative error 0' "$work/stderr" && grep -q held_out_relative_rmse "$work/stats.json" ||
     wrong "the player does not say what is expected: $(cat "$work/stderr")"
 fails 1 "no point meets" "$bin/airlight-play" "$work/whole" --headless --frame-ms 0.0001
+# What was baked otherwise is no point of the table.
+sed 's/"sh_order": 3/"sh_order": 2/' "$work/scene.json" >"$work/other.json"
+run 0 "$bin/airlight-bake" "$work/other.json" -o "$work/whole" --quiet
+fails 1 "no point was baked with the settings" "$bin/airlight-play" "$work/whole" --headless --target-error 10
+run 0 "$bin/airlight-bake" "$work/scene.json" -o "$work/whole" --quiet
 fails 3 "airlight-trade SCENE.json" "$bin/airlight-bake" "$work/scene.json" -o "$work/none" --target-error 1
 sed '2s/,[^,]*,medium$/,soon,medium/' "$work/first.csv" >"$work/whole/trade.csv"
 fails 3 "trade.csv:2: held_out_relative_rmse is 'soon'" "$bin/airlight-play" "$work/whole" --headless --frame-ms 1e9

@@ -2,6 +2,7 @@
 #ifndef AIRLIGHT_TRADE_TABLE_H
 #define AIRLIGHT_TRADE_TABLE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "airlight/status.h"
@@ -24,9 +25,11 @@ typedef struct al_trade_pick {
 } al_trade_pick;
 
 /* Of the front in FOLDER/trade.csv: with target_error > 0 the fastest frame that is at most this wrong; with frame_ms > 0 the most
- * exact one that takes at most so long; with both the fastest that meets both. AL_BAD_INPUT without a table or in a broken
- * one, AL_CHECK_FAILED when no point meets what is asked. */
-al_status al_trade_pick_point(const char *folder, double target_error, double frame_ms, al_trade_pick *pick, al_error *error);
+ * exact one that takes at most so long; with both the fastest that meets both. `as_baked`: of all points whose bake had the
+ * settings that FOLDER/report.json states. AL_BAD_INPUT without a table or report or in a broken one, AL_CHECK_FAILED when
+ * no point meets what is asked. */
+al_status al_trade_pick_point(const char *folder, double target_error, double frame_ms, bool as_baked, al_trade_pick *pick,
+                              al_error *error);
 
 /* What a knob of the player is on its command line: words[0 .. count). None for what the player does by itself. */
 int al_trade_knob_words(const char *name, const char *value, char words[2][2 * AL_TRADE_TEXT_SIZE]);
