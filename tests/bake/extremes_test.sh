@@ -20,10 +20,12 @@ SCENE
 }
 plain='"directions": 64, "grid_resolution": 32, "samples": 3000, "sh_order": 3'
 
-# right NAME TAU TOLERANCE: bakes, is valid, and answers exp(-TAU) at the centre. What the asset answers is a mean
+# right EXTREME NAME TAU TOLERANCE: bakes, is valid, and answers exp(-TAU) at the centre. What the asset answers is a mean
 # over the samples whose Gaussians reach the centre: lying within reach q (in radii) on all sides, they give between
 # 1 and cosh(q TAU) of it; the voxels give 2 % of TAU, the format and float sums TOLERANCE.
 right() {
+    extreme_name=$1
+    shift
     rm -rf "$work/baked"
     run 0 "$bin/airlight-bake" "$work/scene.json" -o "$work/baked" --quiet
     asset=$work/baked/object.translucent.air
@@ -32,17 +34,24 @@ right() {
     reach=$(tr -d ' \n' <"$work/stdout" | sed 's/.*"bounds_max_m":\[\([^,]*\),.*"gaussian_radius_m":\[[^,]*,\([^]]*\)\].*/\1 \2/')
     run 0 "$bin/airlight-inspect" "$asset" --eval '{"position":[0,0,0],"direction":[0.3,0.5,-0.8]}'
     value=$(tr -d ' \n' <"$work/stdout" | sed 's/.*"transmittance":\[\([^,]*\),.*/\1/')
-    echo "$value $2 $3 $reach" | awk '{
-        q = $5 / $4 * $2; e = exp(-$2); high = e * (exp(q) + exp(-q)) / 2
-        exit !($1 >= e * (1 - 0.02 * $2) - $3 && $1 <= high * (1 + 0.02 * $2) + $3) }' ||
-        wrong "$1: transmittance $value where exp(-$2) is expected (radius and reach $reach)"
-    echo "$1: $value"
+    # shellcheck disable=SC2046
+    extreme "$extreme_name" "object, baked: transmittance from the middle, $1" "$value" $(echo "$2 $3 $reach" | awk '{
+        q = $4 / $3 * $1; e = exp(-$1); high = e * (exp(q) + exp(-q)) / 2
+        printf "%.17g %.17g %.17g", e, e * (1 - 0.02 * $1) - $2, high * (1 + 0.02 * $1) + $2 }')
 }
+# refused EXTREME NAME WORDS
 refused() {
     rm -rf "$work/baked"
-    fails 3 "$2" "$bin/airlight-bake" "$work/scene.json" -o "$work/baked" --quiet
+    fails 3 "$3" "$bin/airlight-bake" "$work/scene.json" -o "$work/baked" --quiet
     empty "$work/baked"
-    echo "$1: refused"
+    refusal "$1" "object, baked: $2"
+}
+# thick TAU: which extreme it is.
+thick() {
+    case $1 in
+    1e-6 | 1e-3 | 1e4) echo "sigma_t times size $1" ;;
+    *) echo "sigma_t times size 1 to 100" ;;
+    esac
 }
 
 # Optical thickness tau = sigma_t R, and sizes.
@@ -50,52 +59,58 @@ for size in 1e-4 1 1e4; do
     for tau in 1e-6 1e-3 1 3; do
         sigma=$(awk -v t=$tau -v r=$size 'BEGIN { printf "%.9g", t / r }')
         scene $size "\"sigma_s_per_m\": $sigma, \"sigma_a_per_m\": 0" "$plain"
-        right "radius $size m, tau $tau" $tau 1e-6
+        case $size in
+        1) right "$(thick $tau)" "sigma_t times radius $tau" $tau 1e-6 ;;
+        *) right "scene of $size m" "radius $size m, sigma_t times radius $tau" $tau 1e-6 ;;
+        esac
     done
 done
 scene 1 '"sigma_s_per_m": 1e4, "sigma_a_per_m": 0' "$plain"
-refused "tau 1e4" "mean free path"
+refused "$(thick 1e4)" "sigma_t times radius 1e4" "mean free path"
 scene 1 '"sigma_s_per_m": 40, "sigma_a_per_m": 0' "$plain, \"too_dense\": \"bake\""
-right "tau 40, asked for" 40 1e-6
+right "$(thick 40)" "sigma_t times radius 40, \"too_dense\": \"bake\"" 40 1e-6
 
 # Just too dense: refused with a count of samples that is not.
 scene 1 '"sigma_s_per_m": 12, "sigma_a_per_m": 0' "$plain"
-refused "tau 12" "mean free path"
+refused "$(thick 12)" "sigma_t times radius 12, 3000 samples" "mean free path"
 count=$(sed -n 's/.*"samples" of about \([0-9]*\).*/\1/p' "$work/stderr")
 scene 1 '"sigma_s_per_m": 12, "sigma_a_per_m": 0' '"directions": 64, "grid_resolution": 32, "sh_order": 3, "samples": '"$count"
-right "tau 12, $count samples" 12 1e-6
+right "$(thick 12)" "sigma_t times radius 12, as many samples as that names: $count" 12 1e-6
 
 # Albedo and phase function do not touch the transmittance.
 for albedo in 0 0.999999 1; do
     scene 1 "\"albedo\": $albedo, \"mean_free_path_m\": 1" "$plain"
-    right "albedo $albedo" 1 1e-6
+    case $albedo in
+    0.999999) right "albedo 1 - 1e-6" "sigma_t times radius 1" 1 1e-6 ;;
+    *) right "albedo $albedo" "sigma_t times radius 1" 1 1e-6 ;;
+    esac
 done
 for g in -0.99 0.99; do
     scene 1 "\"sigma_s_per_m\": 1, \"sigma_a_per_m\": 0, \"g\": $g" "$plain"
-    right "g $g" 1 1e-6
+    right "g $g" "sigma_t times radius 1" 1 1e-6
 done
 scene 1 '"sigma_s_per_m": 0, "sigma_a_per_m": 0' "$plain"
-refused "no extinction" sigma_s_per_m
+refused "density 0" "no extinction" sigma_s_per_m
 
 # Counts.
 one='"directions": 64, "grid_resolution": 32, "samples": 1, "sh_order": 1'
 scene 1 '"sigma_s_per_m": 1, "sigma_a_per_m": 0' "$one"
-refused "one sample" "mean free path"
+refused "1 sample" "sigma_t times radius 1" "mean free path"
 scene 1 '"sigma_s_per_m": 1, "sigma_a_per_m": 0' "$one, \"too_dense\": \"bake\""
-right "one sample, asked for" 1 1e-6
+right "1 sample" "sigma_t times radius 1, \"too_dense\": \"bake\"" 1 1e-6
 scene 1 '"sigma_s_per_m": 1, "sigma_a_per_m": 0' '"directions": 2, "grid_resolution": 32, "samples": 200, "sh_order": 1'
-right "two directions" 1 1e-6
+right "1 sample" "2 directions, 200 samples" 1 1e-6
 scene 1 '"sigma_s_per_m": 1e-6, "sigma_a_per_m": 0' '"directions": 32, "grid_resolution": 1, "samples": 10, "sh_order": 2'
-right "one voxel" 1e-6 1e-6
+right "one voxel" "sigma_t times radius 1e-6" 1e-6 1e-6
 scene 1 '"sigma_s_per_m": 1, "sigma_a_per_m": 0' '"directions": 32, "grid_resolution": 16, "samples": 0, "sh_order": 2'
-refused "no sample" samples
+refused "0 samples" "asked for" samples
 
 scene 1 '"sigma_s_per_m": 1, "sigma_a_per_m": 0, "density": {"type": "constant", "scale": 0}' "$plain"
-refused "no density" "density"
+refused "density 0" "a scale of 0" "density"
 scene 1 '"sigma_s_per_m": -1, "sigma_a_per_m": 0' "$plain"
-refused "negative scattering" sigma_s_per_m
+refused "sigma_t times size 1 to 100" "scattering of -1 per metre" sigma_s_per_m
 scene 1 '"sigma_s_per_m": 1, "sigma_a_per_m": 0, "g": 1' "$plain"
-refused "g 1" g
+refused "g 0.99" "g of 1" g
 
 # Grids: a box of 2 m in 9^3 voxels, SPECK in the middle one and REST elsewhere.
 speck() { # SPECK REST
@@ -112,9 +127,9 @@ speck() { # SPECK REST
 SCENE
 }
 speck 0 0
-refused "a grid of zeros" "0 everywhere"
+refused "density 0" "a grid of zeros" "0 everywhere"
 speck 1e6 0
-refused "a voxel of a million in nothing" "mean free path"
+refused "one voxel of 1e6" "in nothing" "mean free path"
 speck 1e6 0.1
 rm -rf "$work/baked"
 run 0 "$bin/airlight-bake" "$work/scene.json" -o "$work/baked" --quiet
@@ -133,8 +148,7 @@ if [ "$code" = 0 ]; then
     run 0 "$bin/airlight-compare" "$work/played.exr" "$work/reference.exr" --fail-above nan_count=0 \
         --fail-above inf_count=0
     ratio=$(sed -n 's/^mean_ratio //p' "$work/stdout")
-    echo "mean ratio $ratio"
-    echo "$ratio" | awk '{ exit !($1 > 0.9 && $1 < 1.12) }' || wrong "mean of the picture: $ratio of the reference's"
+    extreme "one voxel of 1e6" "object in the player, 0.1 in all other voxels: mean of the picture over the reference's" "$ratio" 1 0.9 1.12
 elif [ "$code" != 77 ]; then
     wrong "pictures of a voxel of a million"
 fi
@@ -175,8 +189,10 @@ for name in box flat; do
     run 0 "$bin/airlight-inspect" "$work/$name/object.translucent.air" --eval '{"position":[0,0,0],"direction":[0,0,1]}'
     cp "$work/stdout" "$work/$name.answer"
 done
-cmp "$work/box.answer" "$work/flat.answer" || wrong "triangles without area change the answer"
+extreme "triangles without area" "object, baked: bytes of the answer that they change" \
+    "$(cmp -l "$work/box.answer" "$work/flat.answer" | wc -l)" 0 0 0
 fails 3 "open edge" "$bin/airlight-bake" "$work/one.json" -o "$work/one" --quiet
+refusal "one triangle" "object, baked"
 empty "$work/one"
 
 finish

@@ -9,6 +9,7 @@
 
 static const double float_rounding = 0x1p-24;
 static const al_impulse_tables *tables;
+static const char *const wall_names[] = {"published", "bounded", "traced"};
 
 /* --- scenes --- */
 
@@ -156,8 +157,11 @@ static void test_strength(al_walls walls)
         r.lamp *= factors[i];
         gather_open_room(&r, walls, other);
         double worst = all_difference(other, unit, PLACES, factors[i]);
-        printf("walls %d, lights times %g: %.1e\n", (int)walls, factors[i], worst);
-        CHECK(worst <= (i < 2 ? 0 : 512 * 16 * float_rounding));
+        if (i < 2) CHECK(worst == 0);
+        if (i >= 2)
+            test_extreme(i == 2 ? "radiosity 1e-6" : "radiosity 1e6", worst, 0, 512 * 16 * float_rounding,
+                         "gathered, %s walls: lamp and emission times that, largest relative difference (times 2^-20, 2^20: the same bits)",
+                         wall_names[walls]);
     }
 }
 
@@ -209,8 +213,11 @@ static void test_size(al_walls walls)
             gather_open_room(&r, walls, other);
             double worst = all_difference(other, unit, i < 2 ? PLACES : PLACES - 1,
                                           kind ? 1 / (sizes[i] * sizes[i]) : 1);
-            printf("walls %d, %s, size %g m: %.1e\n", (int)walls, kind ? "lamp" : "sheet", sizes[i], worst);
-            CHECK(worst <= (i < 2 ? 0 : 9 * 4 / 0.03 * float_rounding));
+            if (i < 2) CHECK(worst == 0);
+            if (i >= 2)
+                test_extreme(i == 2 ? "scene of 1e-4 m" : "scene of 1e4 m", worst, 0, 9 * 4 / 0.03 * float_rounding,
+                             "gathered, %s walls: light of a %s against that in 1 m, largest relative difference (2^-13, 2^13 m: the same bits)",
+                             wall_names[walls], kind ? "lamp" : "sheet");
         }
     }
 }
@@ -233,8 +240,13 @@ static void test_thin(al_walls walls)
         CHECK(loss > 0 && loss <= 9 * sqrt(3) * 1e-6);
         CHECK_NEAR(1 - thinner[i].attenuated[0] / thinner[i].surface[0], loss / 2, 1e-3 * loss);
         CHECK(thin[i].scattered[0] > 0 && thin[i].scattered[0] < 1e-5 * thin[i].surface[0]);
-        CHECK_NEAR(thin[i].scattered[0] / thinner[i].scattered[0], 2,
-                   walls == AL_WALLS_PUBLISHED ? 2 * 2 * 2e-3 : 2 * 512 * 16 * float_rounding);
+        const double ratio = thin[i].scattered[0] / thinner[i].scattered[0],
+                     bound = walls == AL_WALLS_PUBLISHED ? 2 * 2 * 2e-3 : 2 * 512 * 16 * float_rounding;
+        if (i)
+            CHECK_NEAR(ratio, 2, bound);
+        else
+            test_extreme("sigma_t times size 1e-6", ratio, 2, bound, "gathered, %s walls: scattered light over that of half the fog",
+                         wall_names[walls]);
     }
 }
 
@@ -248,12 +260,15 @@ static void test_dense(al_walls walls)
     if (walls != AL_WALLS_PUBLISHED) {
         CHECK(!gather_room(&r, walls, out, &error));
         CHECK(strstr(error.message, "lightmap.walls: the fog is too dense for 4 points along the scene"));
+        printf("extreme: | sigma_t times size 1e4 | gathered, %s walls: the room | exit code 3: %s | a refusal | |\n", wall_names[walls], error.message);
         return;
     }
     gather_open_room(&r, walls, out);
     for (int i = 0; i < 2; i++) {
         CHECK(out[i].surface[0] > 0 && out[i].attenuated[0] == 0 && out[i].scattered[0] == 0);
     }
+    test_extreme("sigma_t times size 1e4", out[0].attenuated[0] + out[0].scattered[0], exp(-1e4), 0,
+                 "gathered, published walls: light that comes through");
 }
 
 /* --- albedo --- */
@@ -274,6 +289,7 @@ static void test_wall_albedo(al_walls walls)
     r.albedo = 1;
     if (walls == AL_WALLS_PUBLISHED && !gather_room(&r, walls, white, &error)) {
         CHECK(strstr(error.message, "grow without limit"));
+        printf("extreme: | albedo 1 | gathered, published walls: surfaces in thin fog | exit code 3: %s | a refusal | |\n", error.message);
         r.sigma_a = 4; /* which is not refused */
     }
     gather_open_room(&r, walls, white);
@@ -282,7 +298,12 @@ static void test_wall_albedo(al_walls walls)
     double powers = 1.1e-6, sums = 512 * 16 * float_rounding; /* 1.1: a float's 1 - 1e-6 */
     for (int i = 0; i < 2; i++) {
         CHECK(white[i].surface[0] > 1.5 * black[i].surface[0]);
-        CHECK_NEAR(nearly[i].surface[0] / white[i].surface[0], 1 - 4 * powers, 4 * powers);
+        const double share = nearly[i].surface[0] / white[i].surface[0];
+        if (i)
+            CHECK_NEAR(share, 1 - 4 * powers, 4 * powers);
+        else
+            test_extreme("albedo 1 - 1e-6", share, 1 - 4 * powers, 4 * powers, "gathered, %s walls: light off surfaces over that of albedo 1",
+                         wall_names[walls]);
         CHECK_NEAR(nearly[i].attenuated[0] / white[i].attenuated[0], 1 - 4 * powers, 4 * powers);
         CHECK_NEAR(nearly[i].scattered[0] / white[i].scattered[0], 1, 16 * 9 * powers + sums);
     }
@@ -304,7 +325,11 @@ static void test_fog_albedo(al_walls walls)
         double d = sqrt(squares[i]), expected = 0.5 * heights[i] / (d * squares[i]);
         CHECK(dark[i].scattered[0] == 0);
         CHECK_NEAR(dark[i].surface[0], expected, 1e-6 * expected);
-        CHECK_NEAR(dark[i].attenuated[0], expected * exp(-2 * d), 1e-6 * expected);
+        if (i)
+            CHECK_NEAR(dark[i].attenuated[0], expected * exp(-2 * d), 1e-6 * expected);
+        else
+            test_extreme("albedo 0", dark[i].attenuated[0], expected * exp(-2 * d), 1e-6 * expected,
+                         "gathered, %s walls: irradiance through fog that only absorbs (nothing scattered)", wall_names[walls]);
     }
     for (int k = 0; k < 9; k++) CHECK(dark[2].sh[AL_GATHER_SCATTERED][1][k] == 0);
     r = plain;
@@ -378,9 +403,12 @@ static void test_narrow(al_walls walls)
         test_gather test = open_gather(text, tables, &options);
         double error, mean = mean_scattered(&test, origin, up, &error),
                       expected = floor_below_lamp(sigma_s, sigma_s + sigma_a, gs[i]);
-        printf("walls %d, g %g: %.4f of the quadrature, noise %.4f\n", (int)walls, gs[i], mean / expected,
-               error / expected);
-        CHECK_NEAR(mean, expected, 4.5 * error + (walls == AL_WALLS_PUBLISHED ? 0.04 : 0.01) * expected);
+        const double bound = 4.5 * error + (walls == AL_WALLS_PUBLISHED ? 0.04 : 0.01) * expected;
+        if (gs[i] == 0)
+            CHECK_NEAR(mean, expected, bound);
+        else
+            test_extreme(gs[i] > 0 ? "g 0.99" : "g -0.99", mean, expected, bound,
+                         "gathered, %s walls: scattered onto a floor below a lamp", wall_names[walls]);
         CHECK(error < (gs[i] == 0 ? 0.01 : 0.1) * expected);
         close_gather(&test);
     }
@@ -412,7 +440,8 @@ static void test_speck(al_walls walls)
     CHECK(is_good(&shadow) && is_good(&light));
     CHECK_NEAR(shadow.surface[0], 1.0 / 36, 1e-6);
     CHECK(shadow.attenuated[0] == 0);
-    CHECK_NEAR(light.attenuated[0], expected * exp(-0.1 * inside), 1e-3 * expected);
+    test_extreme("one voxel of 1e6", light.attenuated[0], expected * exp(-0.1 * inside), 1e-3 * expected,
+                 "gathered, %s walls: irradiance beside its shadow (in it: 0)", wall_names[walls]);
     close_gather(&test);
     remove(path);
 }
@@ -449,7 +478,8 @@ static void test_lamps(al_walls walls)
                 same = open_lamps(walls, 64, 0, 16), row = open_lamps(walls, 64, 1, 4096);
     al_gathered dark = gather_at(&none, origin, up, 1), single = gather_at(&one, origin, up, 1),
                 stacked = gather_at(&same, origin, up, 1), many = gather_at(&row, origin, up, 1);
-    CHECK(dark.surface[0] == 0 && dark.attenuated[0] == 0 && dark.scattered[0] == 0);
+    test_extreme("0 lights", dark.surface[0] + dark.attenuated[0] + dark.scattered[0], 0, 0, "gathered, %s walls: irradiance",
+                 wall_names[walls]);
     CHECK_NEAR(single.attenuated[0], exp(-0.5), 1e-9);
     CHECK_NEAR(stacked.surface[0], single.surface[0], 1e-12);
     CHECK_NEAR(stacked.attenuated[0], single.attenuated[0], 1e-12);
@@ -461,7 +491,8 @@ static void test_lamps(al_walls walls)
     }
     double spread = 0.5 * (exp(-0.5) - exp(-0.5 * sqrt(2)));
     CHECK_NEAR(many.surface[0], surface, 1e-9);
-    CHECK_NEAR(many.attenuated[0], attenuated, 4.5 / 64 * spread * surface);
+    test_extreme("64 lights", many.attenuated[0], attenuated, 4.5 / 64 * spread * surface, "gathered, %s walls: irradiance of a row of lamps",
+                 wall_names[walls]);
     CHECK(many.attenuated[0] != many.surface[0] * exp(-0.5));
     double expected = mean_scattered(&one, origin, up, &error[0]),
            sum = mean_scattered(&same, origin, up, &error[1]);
@@ -486,7 +517,8 @@ static void test_lamp_on_surface(al_walls walls)
     gather_open_room(&r, walls, above);
     CHECK(on[0].surface[0] == 0 && on[1].surface[0] > 0);
     CHECK_NEAR(on[1].surface[0] / above[1].surface[0], 1, 1e-5);
-    CHECK_NEAR(on[1].attenuated[0] / above[1].attenuated[0], 1, 1e-5);
+    test_extreme("light on a surface", on[1].attenuated[0], above[1].attenuated[0], 1e-5 * above[1].attenuated[0],
+                 "gathered, %s walls: irradiance, against that of a lamp 1e-6 m above", wall_names[walls]);
     CHECK_NEAR(on[2].sh[AL_GATHER_SURFACE][0][0] / above[2].sh[AL_GATHER_SURFACE][0][0], 1, 1e-5);
     test_gather test = open_lamps(walls, 1, 0, 16);
     const double in[3] = {0, 1, 0}, near[3] = {0, 1 - 1e-6, 0}, up[3] = {0, 1, 0};
@@ -501,15 +533,17 @@ static void test_lamp_on_surface(al_walls walls)
 static void test_samples(al_walls walls)
 {
     const double origin[3] = {0.1, 0, 0.2}, up[3] = {0, 1, 0};
+    const int failures = test_failures;
     test_gather one = open_lamps(walls, 3, 1, 1), some = open_lamps(walls, 3, 1, 4096),
                 million = open_lamps(walls, 3, 1, 1000000);
     al_gathered least = gather_at(&one, origin, up, 1), most = gather_at(&million, origin, up, 1);
     double error, mean = mean_scattered(&some, origin, up, &error);
     CHECK(is_good(&least) && is_good(&most));
     CHECK(least.surface[0] > 0);
-    printf("walls %d, a million samples: %.4f of 16 times 4096, noise %.4f\n", (int)walls,
-           most.scattered[0] / mean, error / mean);
-    CHECK_NEAR(most.scattered[0], mean, 4.5 * error);
+    test_extreme("1 sample", test_failures - failures, 0, 0, "gathered, %s walls: answers that are negative, not finite or dark",
+                 wall_names[walls]);
+    test_extreme("1e6 samples", most.scattered[0], mean, 4.5 * error, "gathered, %s walls: scattered light, against the mean of 16 times 4096",
+                 wall_names[walls]);
     CHECK(error < 0.02 * mean);
     close_gather(&one);
     close_gather(&some);

@@ -44,6 +44,22 @@ fails() {
     [ ! -s "$work/stdout" ] || wrong "standard output is not empty: $*"
 }
 
+# extreme WHAT ASKED CAME_OUT EXPECTED LOW HIGH: a row of the table of extremes (scripts/extremes.sh) and its check: LOW to HIGH
+# is right.
+extreme() {
+    awk -v what="$1" -v asked="$2" -v value="$3" -v expected="$4" -v low="$5" -v high="$6" 'BEGIN {
+        off = value - expected; bound = high - expected > expected - low ? high - expected : expected - low
+        unit = expected < 0 ? -expected : expected; if (bound >= 1000 * unit) unit = 1; missed = !(value != "" && value + 0 >= low + 0 && value + 0 <= high + 0)
+        how = off == 0 && bound == 0 ? "exact" : sprintf("%.1e (%.1e)", (off < 0 ? -off : off) / unit, bound / unit)
+        printf "extreme: | %s | %s | %.6g | %.6g | %s |%s\n", what, asked, value, expected, how, missed ? " MISSED" : ""
+        exit missed }' || wrong "$1: $2: $3 where $4 is expected ($5 to $6)"
+}
+
+# refusal WHAT ASKED: a row for what the last fails() checked.
+refusal() {
+    echo "extreme: | $1 | $2 | exit code $fails_code: $(sed "s|$work/||g" "$work/stderr") | a refusal | |"
+}
+
 # full_output PROGRAM...: what it has to say does not fit on a full disk: exit code 4 and one line.
 full_output() {
     [ -c /dev/full ] || return 0

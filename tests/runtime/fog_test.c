@@ -266,7 +266,8 @@ static void test_eye(void)
     CHECK(middle(image, EDGE)[0] == 1);
     view = stage_look(EDGE, EDGE, (float[3]){0, 0, -0.6f}, (float[3]){0, 0, -2}, 0.6f);
     average(runtime, &view, NULL, 1, image);
-    CHECK_NEAR(middle(image, EDGE)[0], exp(-0.5 * 0.4), 1e-4);
+    test_extreme("camera inside the medium", middle(image, EDGE)[0], exp(-0.5 * 0.4), 1e-4,
+                 "fog: a background of 1 through the 0.4 m before an eye in it");
     al_runtime_destroy(runtime);
 }
 
@@ -343,8 +344,12 @@ static void test_narrow(float g)
         for (int c = 0; c < 3; c++) {
             double t = sigma_s[c] + sigma_a[c];
             double length = ahead ? 2 * exp(-2 * t) : (1 - exp(-4 * t)) / (2 * t);
-            CHECK_NEAR(around(image, EDGE, c) / (sigma_s[c] * al_phase(g, ahead ? 1 : -1) * length), 1,
-                       4e-3 + 1.8e-3);
+            double wanted = sigma_s[c] * al_phase(g, ahead ? 1 : -1) * length, value = around(image, EDGE, c);
+            if (c)
+                CHECK_NEAR(value / wanted, 1, 4e-3 + 1.8e-3);
+            else
+                test_extreme(g > 0 ? "g 0.99" : "g -0.99", value, wanted, (4e-3 + 1.8e-3) * wanted,
+                             "fog: radiance, the sun %s", ahead ? "ahead" : "behind the eye");
         }
     }
     al_runtime_destroy(runtime);
@@ -384,8 +389,11 @@ static void test_linear(void)
     for (int i = 0; i < 4; i++) {
         draw_lights(1, factors[i], factors[i], other);
         double worst = largest_difference(other, plain, factors[i]);
-        printf("lights times %g: %.1e\n", (double)factors[i], worst);
-        CHECK(worst <= (i < 2 ? 0 : 2 * 32 * 0x1p-23));
+        if (i < 2)
+            CHECK(worst == 0);
+        else
+            test_extreme(i == 2 ? "radiosity 1e-6" : "radiosity 1e6", worst, 0, 2 * 32 * 0x1p-23,
+                         "fog: lights times that, largest relative difference (times 2^-20, 2^20: the same bits)");
     }
     draw_lights(63, 1, 1.0f / 63, other);
     double worst = largest_difference(other, plain, 1);
@@ -393,7 +401,25 @@ static void test_linear(void)
     for (int i = 0; i < EDGE * EDGE * 3; i++) sum += other[i], expected += plain[i];
     printf("63 lamps as one: %.1e a pixel, %.1e in all\n", worst, fabs(sum / expected - 1));
     CHECK(worst <= 4 * 6e-3);
-    CHECK_NEAR(sum / expected, 1, 4 * 6e-3 / EDGE);
+    test_extreme("64 lights", sum, expected, 4 * 6e-3 / EDGE * expected,
+                 "fog: a sun and 63 lamps in one place against one of their sum, sum of all pixels");
+}
+
+/* The box of test_sun times `size`, of sigma_t times its 2 m and of an albedo: what it sends back to the eye. Thin, and as
+ * far as cells are no longer than a mean free path, within what test_sun derives. */
+static void test_box(const char *what, double depth, double albedo, float size)
+{
+    static double image[EDGE * EDGE * 3];
+    const float sigma = (float)(depth / 2) / size, s = (float)albedo * sigma, a = (float)((1 - albedo) * (depth / 2)) / size;
+    al_runtime *runtime = open_fog(&(fog_options){(float[3]){s, s, s}, (float[3]){a, a, a}, 0, size, .lights = 1});
+    al_view view = front_view(EDGE);
+    for (int k = 12; k < 15; k++) view.view[k] *= size;
+    view.projection[14] *= size;
+    average(runtime, &view, &(al_settings){.pass = AL_PASS_DIRECT_SCATTERING}, 8, image);
+    double wanted = -albedo * expm1(-2 * depth) / (8 * AL_PI);
+    test_extreme(what, around(image, EDGE, 0), wanted, 4e-3 * wanted, "fog: radiance of a box of %g m, sigma_t times size %g, albedo %.7g",
+                 2 * (double)size, depth, albedo);
+    al_runtime_destroy(runtime);
 }
 
 /* Nothing may be negative or not finite. */
@@ -425,7 +451,9 @@ static void test_extremes(void)
     al_view view = front_view(EDGE), pixel = front_view(1);
     average(runtime, &view, &(al_settings){.pass = AL_PASS_DIRECT_SCATTERING}, 16, image);
     /* The first channel ends inside the first cell, where a third of the draws looks for it. */
-    for (int c = 0; c < 3; c++) CHECK_NEAR(around(image, EDGE, c) * 8 * AL_PI, 1, 0.25);
+    for (int c = 0; c < 3; c++)
+        test_extreme(c ? "sigma_t times size 1 to 100" : "sigma_t times size 1e4", around(image, EDGE, c), 1 / (8 * AL_PI),
+                     0.25 / (8 * AL_PI), "fog: radiance of a box of 2 m, %g per metre", (double)thick[c]);
     average(runtime, &pixel, NULL, 1, image);
     al_runtime_destroy(runtime);
     runtime = open_fog(&(fog_options){.half = 1, .lights = 64}); /* and none */
@@ -433,8 +461,16 @@ static void test_extremes(void)
     average(runtime, &view, NULL, 1, image);
     al_runtime_scene(runtime)->light_count = 0;
     average(runtime, &view, NULL, 1, image);
-    CHECK(middle(image, 5)[0] == 0);
+    test_extreme("0 lights", middle(image, 5)[0], 0, 0, "fog: radiance");
     al_runtime_destroy(runtime);
+    test_box("sigma_t times size 1e-6", 1e-6, 1, 1);
+    test_box("sigma_t times size 1e-3", 1e-3, 1, 1);
+    test_box("sigma_t times size 1 to 100", 1, 1, 1);
+    test_box("albedo 0", 1, 0, 1);
+    test_box("albedo 1 - 1e-6", 1, 1 - 1e-6, 1);
+    test_box("albedo 1", 1, 1, 1);
+    test_box("scene of 1e-4 m", 1, 1, 1e-4f);
+    test_box("scene of 1e4 m", 1, 1, 1e4f);
 }
 
 /* A fog's asset that is missing or broken: one line, and the rest is drawn. */
