@@ -14,10 +14,11 @@
 #include "geometry.h"
 #include "light_key.h"
 #include "light_page.h"
+#include "measure.h"
 #include "texels.h"
 
 /* Part of every key: raise it when a step's result changes for the same input. */
-static const uint32_t bake_version = 5;
+static const uint32_t bake_version = 6;
 
 enum {
     TILE_TEXELS = 64,
@@ -280,6 +281,9 @@ static al_status finish_pages(lightmap_work *w, al_error *error)
 
 /* --- the asset --- */
 
+#define COMPARED(layer) \
+    "irradiance of layer " layer ", a texel of each tile, with a second set of paths, whose own noise is in the figure"
+
 static void copy_layer(const al_light_page *page, uint32_t first, uint32_t count, float *out)
 {
     size_t texels = (size_t)page->width * page->height;
@@ -376,6 +380,23 @@ static bool describe_geometry(const lightmap_work *w, asset *a)
     return true;
 }
 
+/* What a texel of each tile holds, before its seams are stitched, with the same along other paths; without fog one layer. */
+static uint32_t measure(const lightmap_work *w, const char *settings, al_measured measured[AL_LAYER_COUNT])
+{
+    static const char *const compared[] = {COMPARED("surface"), COMPARED("attenuated"), COMPARED("scattered")};
+    uint32_t count = 0;
+    for (int layer = 0; layer < (w->import->scene.fog_count ? AL_LAYER_COUNT : 1); layer++) {
+        al_measure sums = {0};
+        for (uint32_t tile = 0; tile < tile_count(w); tile++) {
+            const float *a = result_of(w, tile, 0), *b = result_of(w, tile, TILE_TEXELS);
+            for (int c = 3 * layer; c < 3 * layer + 3 && a[w->channel_count] <= BEHIND_SHARE; c++)
+                al_measure_add(&sums, (double)a[c] - b[c], b[c]);
+        }
+        if (sums.count) measured[count++] = al_measure_twice(&sums, compared[layer], settings, "W/m2");
+    }
+    return count;
+}
+
 /* The standard error of a texel of a layer over the root mean square of the light: of two independent values
  * a and b of a texel, (a - b)^2 / 2 estimates the variance. */
 static double noise_of(const lightmap_work *w, int layer)
@@ -426,6 +447,8 @@ static al_status write_asset(lightmap_work *w, al_error *error)
     double started = al_program_seconds();
     uint32_t pages = w->atlas->page_count;
     uint64_t bytes = 0;
+    char settings[160];
+    al_measured measured[AL_LAYER_COUNT];
     asset a = {.data.info = {.page_count = pages,
                              .instance_count = w->atlas->instance_count,
                              .format = AL_LIGHTMAP_HALF,
@@ -444,6 +467,10 @@ static al_status write_asset(lightmap_work *w, al_error *error)
     a.data.vertices = a.vertices;
     a.data.triangles = a.triangles;
     a.data.provenance_json = a.provenance;
+    snprintf(settings, sizeof settings, "%u paths a texel, %u bounces, texels of %.3g m", w->settings->samples,
+             w->settings->bounces, w->atlas->texel_m);
+    a.data.measured_count = measure(w, settings, measured);
+    a.data.measured = measured;
     if (status == AL_OK) status = al_lightmap_write(w->path, &a.data, &bytes, error);
     al_steps_add(w->steps, "write", started, bytes, pages);
     free_asset(&a, pages);

@@ -10,15 +10,18 @@
 #include "airlight/probes.h"
 #include "gather_job.h"
 #include "light_key.h"
+#include "measure.h"
 #include "place_probes.h"
 #include "tetrahedra.h"
 
 /* Part of every key: raise it when a step's result changes for the same input. */
-static const uint32_t bake_version = 5;
+static const uint32_t bake_version = 6;
 
 /* A probe that sees more backs of surfaces than this is inside a wall, or on it, where it sees half of them.
  * Outside, backs are seen only where meshes are open. */
 static const float inside_share = 0.25f;
+
+enum { MEASURE_STRIDE = 16 };
 
 typedef struct probe_work {
     const al_import *import;
@@ -29,7 +32,8 @@ typedef struct probe_work {
     char path[1200], partial_path[1210];
     al_probe_places places;
     size_t set;     /* floats of a probe: [layer][channel][order^2] */
-    float *results; /* [places.count][set + 1]: coefficients, then the share of backs */
+    uint32_t again; /* probes that are gathered a second time: every MEASURE_STRIDE-th */
+    float *results; /* [places.count + again][set + 1]: coefficients, then the share of backs */
     /* of the probes that stay */
     uint32_t kept;
     double *kept_points;
@@ -79,8 +83,9 @@ static bool gather_probe(void *user, const al_gather *gather, al_gather_scratch 
 {
     const probe_work *w = user;
     const uint32_t place[] = {w->import->description->lightmap.seed, index};
+    uint32_t probe = index < w->places.count ? index : (index - w->places.count) * MEASURE_STRIDE;
     al_gathered gathered;
-    if (!al_gather_point(gather, scratch, w->places.points[index], NULL, 0, XXH64(place, sizeof place, 0),
+    if (!al_gather_point(gather, scratch, w->places.points[probe], NULL, 0, XXH64(place, sizeof place, 0),
                          &gathered))
         return false;
     keep_result(w, &gathered, out);
@@ -102,7 +107,7 @@ static al_status gather_probes(probe_work *w, const al_impulse_tables *tables, a
                                           .sh_order = w->settings->order,
                                           .lamps_apart = true,
                                           .seed = l->seed},
-                               .piece_count = w->places.count,
+                               .piece_count = w->places.count + w->again,
                                .items = w->places.count,
                                .piece_floats = w->set + 1,
                                .fill = gather_probe,
@@ -190,10 +195,34 @@ static bool spans_space(const probe_work *w)
     return w->kept >= 4 && low[0] < high[0] && low[1] < high[1] && low[2] < high[2];
 }
 
+#define COMPARED(layer) \
+    "coefficients of layer " layer ", every 16th probe, with a second set of paths, whose own noise is in the figure"
+
+/* Probes inside walls do not count; without fog one layer. */
+static uint32_t measure(const probe_work *w, const char *settings, al_measured measured[AL_GATHER_LAYER_COUNT])
+{
+    static const char *const compared[] = {COMPARED("surface"), COMPARED("attenuated"), COMPARED("scattered")};
+    size_t layer_set = w->set / AL_GATHER_LAYER_COUNT;
+    uint32_t count = 0;
+    for (uint32_t layer = 0; layer < (w->import->scene.fog_count ? AL_GATHER_LAYER_COUNT : 1u); layer++) {
+        al_measure sums = {0};
+        for (uint32_t i = 0; i < w->again; i++) {
+            const float *a = w->results + (size_t)i * MEASURE_STRIDE * (w->set + 1),
+                        *b = w->results + ((size_t)w->places.count + i) * (w->set + 1);
+            if (a[w->set] > inside_share || b[w->set] > inside_share) continue;
+            for (size_t k = layer * layer_set; k < (layer + 1) * layer_set; k++)
+                al_measure_add(&sums, (double)a[k] - b[k], b[k]);
+        }
+        if (sums.count) measured[count++] = al_measure_twice(&sums, compared[layer], settings, "W/(m2 sr)");
+    }
+    return count;
+}
+
 static al_status write_asset(probe_work *w, const al_tetrahedra *mesh, uint32_t tetrahedron_count,
                              al_error *error)
 {
-    char provenance[256];
+    char provenance[256], settings[160];
+    al_measured measured[AL_GATHER_LAYER_COUNT];
     double started = al_program_seconds();
     uint64_t bytes;
     snprintf(provenance, sizeof provenance,
@@ -205,6 +234,10 @@ static al_status write_asset(probe_work *w, const al_tetrahedra *mesh, uint32_t 
                            .tetrahedra = mesh->corners,
                            .coefficients = w->coefficients,
                            .provenance_json = provenance};
+    snprintf(settings, sizeof settings, "%u paths a probe, %u bounces, order %u", w->settings->samples,
+             w->import->description->lightmap.bounces, w->settings->order);
+    data.measured_count = measure(w, settings, measured);
+    data.measured = measured;
     al_status status = al_probes_write(w->path, &data, &bytes, error);
     if (status == AL_OK) al_steps_add(w->steps, "write probes", started, bytes, w->kept);
     return status;
@@ -243,6 +276,7 @@ al_status al_bake_probes(const al_import *import, uint64_t key, const al_impulse
     snprintf(w->path, sizeof w->path, "%s/%s", options->folder, import->scene.baked.probes);
     snprintf(w->partial_path, sizeof w->partial_path, "%s.partial", w->path);
     al_status status = al_probe_places_make(import, &w->places, error);
+    w->again = (w->places.count + MEASURE_STRIDE - 1) / MEASURE_STRIDE;
     if (status == AL_OK) status = gather_probes(w, tables, error);
     if (status == AL_OK) status = keep_probes(w, error);
     if (status == AL_OK) status = join_and_write(w, error);

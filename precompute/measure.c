@@ -29,6 +29,13 @@ al_measured al_measure_result(const al_measure *measure, const char *compared, c
                          .largest = measure->largest};
 }
 
+al_measured al_measure_twice(const al_measure *measure, const char *compared, const char *settings, const char *unit)
+{
+    al_measured measured = al_measure_result(measure, compared, settings, unit);
+    measured.standard_error = measured.rmse / sqrt(2);
+    return measured;
+}
+
 /* --- translucent objects --- */
 
 /* Points, fewer where there are many triangles: a ray is tested against each of them. */

@@ -16,6 +16,9 @@ void al_measure_add(al_measure *measure, double deviation, double truth);
 al_measured al_measure_result(const al_measure *measure, const char *compared, const char *settings,
                               const char *unit);
 
+/* The same of light that was gathered twice, along other paths: each number deviates as much as the truth does. */
+al_measured al_measure_twice(const al_measure *measure, const char *compared, const char *settings, const char *unit);
+
 typedef struct al_measured_object {
     const al_import *import;
     uint32_t index;                          /* of the translucent object */

@@ -56,6 +56,11 @@ awk -F'[: ,]+' '/"texels_replaced"/ { exit !($3 >= 9) }' "$work/stdout" || wrong
 # The noise that the asset states: between nothing and a tenth with 64 paths, and with 16 times as many a quarter of it
 # if paths were independent, less since they are spread evenly.
 noise() { "$bin/airlight-inspect" --json "$1" | tr -d ' \n' | sed 's/.*"noise":{"surface":\([0-9.e-]*\).*/\1/'; }
+# The same figure beside the layer's measured error, relative to the light of the second paths alone there.
+run 0 "$bin/airlight-inspect" --json "$work/plain/room.lightmap.air"
+awk -v noise="$(noise "$work/plain/room.lightmap.air")" -F'[: ,]+' '/"truth_rms"/ && !truth { truth = $3 }
+    /"standard_error"/ && !error { error = $3 } END { exit !(truth > 0 && error / truth > 0.95 * noise && error / truth < 1.05 * noise) }' \
+    "$work/stdout" || wrong "the measured error is not the stated noise"
 sed 's/"samples": 64/"samples": 1024/' "$work/room.json" >"$work/many.json"
 run 0 "$bin/airlight-bake" "$work/many.json" -o "$work/many" --quiet
 awk -v few="$(noise "$work/plain/room.lightmap.air")" -v many="$(noise "$work/many/many.lightmap.air")" \

@@ -70,6 +70,12 @@ for place in "0 0 0" "-1.9 1.9 1.9" "1.2 -0.4 0.3" "9 9 9"; do
         wrong "the furnace at $place: $(cat "$work/sh"), expected 7.0898 and zeros"
 done
 
+# The asset's own measure of that noise, from 76 probes that are gathered twice, is sqrt((0.032^2 + 3 x 0.049^2) / 4) = 0.0453 a
+# coefficient; 304 of them say it within 4 %, of which three are allowed.
+run 0 "$bin/airlight-inspect" --json "$work/one/auto.probes.air"
+awk -F'[: ,]+' '/"standard_error"/ { exit !($3 > 0.88 * 0.0453 && $3 < 1.12 * 0.0453) }' "$work/stdout" ||
+    wrong "measured noise: $(grep standard_error "$work/stdout"), expected 0.0453"
+
 scene given '{"order": 3, "samples": 16, "points": [{"position_m": [0, 0, 0]}, {"position_m": [0, 1, 0]}]}'
 run 0 bake given given
 run 0 "$bin/airlight-inspect" --json "$work/given/given.probes.air"
