@@ -224,7 +224,7 @@ static void find_rectangle(const al_draw *draw, al_object *object, const double 
         double place[4] = {0, 0, 0, 1}, clip[4];
         for (int k = 0; k < 3; k++) place[k] = low[k] + (corner >> k & 1 ? size[k] + margin : -margin);
         al_matrix_transform(all, place, clip);
-        if (!(clip[3] > 1e-6)) {
+        if (!(clip[3] > 0)) {
             bounds[0] = bounds[1] = -INFINITY;
             bounds[2] = bounds[3] = INFINITY;
             break;

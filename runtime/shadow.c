@@ -62,10 +62,11 @@ static void fit_directional(const al_runtime *runtime, al_light_block *light, ui
             }
         }
     }
+    const float largest = fmaxf(fmaxf(high[0] - low[0], high[1] - low[1]), high[2] - low[2]);
     memset(light->to_shadow, 0, sizeof light->to_shadow);
     for (int row = 0; row < 3; row++) {
         /* A little more than the casters, so that flat ones have an extent and borders do not clip. */
-        float extent = fmaxf((high[row] - low[row]) * 1.01f, 1e-6f),
+        float extent = largest > 0 ? fmaxf((high[row] - low[row]) * 1.01f, largest * 0x1p-20f) : 1,
               start = 0.5f * (low[row] + high[row] - extent);
         for (int k = 0; k < 3; k++) light->to_shadow[4 * k + row] = axes[row][k] / extent;
         light->to_shadow[12 + row] = -start / extent;
@@ -76,7 +77,7 @@ static void fit_directional(const al_runtime *runtime, al_light_block *light, ui
 
 static void fit_point(const al_runtime *runtime, al_light_block *light, uint32_t edge)
 {
-    double range = 1e-6;
+    double range = 0;
     for (uint32_t i = 0; i < runtime->scene.instance_count; i++) {
         float low[3], high[3];
         double squared = 0;
@@ -89,8 +90,17 @@ static void fit_point(const al_runtime *runtime, al_light_block *light, uint32_t
         }
         range = fmax(range, sqrt(squared));
     }
-    light->shadow[1] = (float)(range * 1.01);
+    light->shadow[1] = range > 0 ? (float)(range * 1.01) : 1;
     light->shadow[2] = 2.0f / (float)edge; /* a face spans 90 degrees */
+}
+
+/* The least squared distance, m2, that a light lights from: 2^-20 of the scene's size, 16 roundings of a place in it. */
+static float least_distance2(const al_runtime *runtime)
+{
+    float low[3], high[3], size[3] = {0};
+    if (al_runtime_bounds(runtime, low, high))
+        for (int k = 0; k < 3; k++) size[k] = high[k] - low[k];
+    return fmaxf(dot3(size, size) * 0x1p-40f, 1e-30f);
 }
 
 /* Lights as shaders see them; answers how many layers their maps need. */
@@ -98,7 +108,8 @@ static uint32_t fill_lights(al_draw *draw)
 {
     const al_runtime *runtime = draw->runtime;
     uint32_t layers = 0, count = runtime->scene.light_count;
-    bool shadows = runtime->model.has_opaque && !draw->settings.shadows_off;
+    const bool shadows = runtime->model.has_opaque && !draw->settings.shadows_off;
+    const float least2 = least_distance2(runtime);
     draw->block.counts[0] = (int32_t)count;
     for (uint32_t i = 0; i < count; i++) {
         const al_light *light = &runtime->scene.lights[i];
@@ -106,6 +117,7 @@ static uint32_t fill_lights(al_draw *draw)
         memcpy(block->vector, light->vector, sizeof light->vector);
         memcpy(block->intensity, light->intensity, sizeof light->intensity);
         block->vector[3] = light->type == AL_LIGHT_POINT;
+        block->intensity[3] = least2;
         if (light->type == AL_LIGHT_DIRECTIONAL) {
             float length = sqrtf(dot3(light->vector, light->vector));
             for (int k = 0; k < 3; k++) block->vector[k] = length > 0 ? light->vector[k] / length : -(k == 1);

@@ -52,7 +52,7 @@ vec3 sent(Surface s)
     for (int i = 0; i < counts.x; i++) {
         vec3 direction;
         float reach;
-        vec3 arrived = light_arrival(i, s.position, 1e8, direction, reach);
+        vec3 arrived = light_arrival(i, s.position, 0.0, direction, reach);
         vec3 part = part_sent(s, direction) * arrived;
         if (part != vec3(0.0)) sum += part * light_share(i, s, direction, reach, shadows);
     }

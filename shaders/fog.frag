@@ -58,7 +58,8 @@ Cells cells_of(Light light, vec3 origin, vec3 direction, float from, float end)
     if (light.vector.w == 0.0) return c;
     vec3 path = light.vector.xyz - origin;
     c.foot = dot(path, direction);
-    c.away = max(length(path - c.foot * direction), 1e-4); // a ray through the light has no bound
+    // A ray through the light has no bound; what is nearer than 2^-20 of the foot's distance is rounding, and so are its cells.
+    c.away = max(length(path - c.foot * direction), max(abs(c.foot) * 9.5367431640625e-7, sqrt(light.intensity.w)));
     c.start = from - c.foot;
     c.angle = atan(c.away * (end - from), c.away * c.away + c.start * (end - c.foot));
     return c;
@@ -115,7 +116,7 @@ vec3 scattered_light(int index, vec3 origin, vec3 direction, float from, float e
         float drawn = fract(random + 0.618034 * float(k + 7 * index)); // the golden ratio's sequence
         float at = mix(a, b, loss_place(depth, (channel + k) % 3, drawn, weight));
         vec3 here = origin + direction * at;
-        light_arrival(index, here, 1e8, toward, reach);
+        light_arrival(index, here, 0.0, toward, reach);
         for (int i = 0; i < fog_counts.x; i++)
             source += fogs[i].sigma_s.rgb * shares[i] * al_phase(fogs[i].sigma_t.w, dot(toward, direction));
         float arriving = light.vector.w == 0.0

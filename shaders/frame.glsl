@@ -7,7 +7,7 @@
 
 struct Light {
     vec4 vector;    // xyz: direction of travel, or position in m; w: 0 directional, 1 point
-    vec4 intensity; // rgb: W/m2 facing the light, or W/sr
+    vec4 intensity; // rgb: W/m2 facing the light, or W/sr; w: least squared distance in m2 that it lights from
     vec4 shadow;    // x: first layer of the shadow maps, -1 for none; y: range in m; z: edge of a texel in m,
                     // for point lights per metre of distance; w: texels along an edge
     mat4 to_shadow; // directional: world to [0,1]^3 of the shadow map
@@ -54,8 +54,8 @@ vec3 to_eye(vec3 position)
 }
 
 // Arrival of light `index` at `position`: unit direction towards it, its distance (directional: 1e30 m) and
-// irradiance on a plane facing it. Squared distances are held above 1/limit, in 1/m^2.
-vec3 light_arrival(int index, vec3 position, float limit, out vec3 direction, out float reach)
+// irradiance on a plane facing it. Squared distances are held above `least`, in m2, and the light's own least.
+vec3 light_arrival(int index, vec3 position, float least, out vec3 direction, out float reach)
 {
     Light light = lights[index];
     if (light.vector.w == 0.0) {
@@ -67,7 +67,7 @@ vec3 light_arrival(int index, vec3 position, float limit, out vec3 direction, ou
     float squared = dot(path, path);
     reach = sqrt(squared);
     direction = reach > 0.0 ? path / reach : vec3(0.0, 1.0, 0.0);
-    return light.intensity.rgb * min(1.0 / max(squared, 1e-30), limit);
+    return light.intensity.rgb / max(squared, max(least, light.intensity.w));
 }
 
 #endif

@@ -140,7 +140,7 @@ void main()
         float reach;
         // No more than the mean over a ball of radius a^(-1/2) about the light, 3 a: the sample stands for
         // its surroundings, so a light inside it has no pole.
-        vec3 arriving = light_arrival(i, world, 3.0 * gaussian.x * prefix.x, direction, reach);
+        vec3 arriving = light_arrival(i, world, 1.0 / (3.0 * gaussian.x * prefix.x), direction, reach);
         vec3 own = mat3(world_to_object) * direction;
         arriving *= transmittance(own) * al_phase(albedo.w, -dot(direction, eye_way));
 #ifdef AL_FOG

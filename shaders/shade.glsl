@@ -29,7 +29,7 @@ vec3 shade_lights(Surface s, bool shadows)
     for (int i = 0; i < counts.x; i++) {
         vec3 direction;
         float reach;
-        vec3 arriving = light_arrival(i, s.position, 1e8, direction, reach); // no closer than 0.1 mm
+        vec3 arriving = light_arrival(i, s.position, 0.0, direction, reach);
         vec3 part = reflectance(s, direction) * arriving;
         if (dot(part, vec3(1.0)) <= 0.0) continue;
         sum += part * light_share(i, s, direction, reach, shadows);

@@ -19,7 +19,7 @@ vec3 irradiance(int index, vec3 position, vec3 normal, out bool behind)
 {
     vec3 direction;
     float reach;
-    vec3 arriving = light_arrival(index, position, 1e8, direction, reach);
+    vec3 arriving = light_arrival(index, position, 0.0, direction, reach);
     float cosine = dot(normal, direction);
     behind = cosine < 0.0;
     arriving *= abs(cosine);

@@ -399,6 +399,7 @@ static void make_environment(builder *b)
             b->sky[i / SKY_WIDTH][i % SKY_WIDTH][c] =
                 furnace ? 1 : strength * (sun && i == hot ? 1 : sun ? 1e-4f : uniform(b, 0, 1));
     if (!furnace && chance(b, 0.4f)) return;
+    b->out->sky = true;
     if (picture) {
         environment->width = SKY_WIDTH;
         environment->height = SKY_HEIGHT;
@@ -572,6 +573,10 @@ bool random_scene_write(const char *folder, uint64_t seed, uint32_t index, const
     make_environment(b);
     make_views(b);
     make_settings(b);
+    scene->surfaces = b->s.scene.instance_count - scene->objects;
+    scene->fogs = b->s.scene.fog_count;
+    scene->lights = b->s.scene.light_count;
+    scene->probes = *b->s.scene.baked.probes;
     b->s.scene.play.exposure_ev = uniform(b, -10, 10) > 5 ? uniform(b, -10, 10) - (float)change->strength : -(float)change->strength;
     if (chance(b, 0.2f) && scene->kind == RANDOM_ANY) color(b, spread(b, 1e-6f, 1e6f) * b->strength, b->s.scene.play.background);
     good = good && sphere_scene_write(folder, &b->s);

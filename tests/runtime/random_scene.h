@@ -22,7 +22,8 @@ typedef struct random_scene {
     al_view views[RANDOM_FRAMES];
     uint32_t frames;
     float unit;       /* m, about the scene's size */
-    uint32_t objects; /* translucent ones */
+    uint32_t surfaces, fogs, objects, lights; /* objects: translucent ones */
+    bool sky, probes;
 } random_scene;
 
 /* What is changed of the scene and its settings: strengths and sizes are multiplied by powers of two. */
