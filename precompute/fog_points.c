@@ -815,9 +815,9 @@ static al_status check_depth(const building *b, al_error *error)
     if (depth <= depth_limit) return AL_OK;
     return al_fail(
         error, AL_BAD_INPUT,
-        "%s: lightmap.walls: the fog is too dense for %u points along the scene: %.3g mean free paths "
+        "lightmap.walls: the fog is too dense for %u points along the scene: %.3g mean free paths "
         "from point to point; at most %g are right: more \"fog_points\", or walls \"published\"",
-        b->gather->path, max_size(b->points), depth, depth_limit);
+        max_size(b->points), depth, depth_limit);
 }
 
 /* The few bands of a narrow lobe swing below 0; what is cut off there is light gained, and without absorption
@@ -827,9 +827,9 @@ static al_status check_growth(const building *b, al_error *error)
     if (!b->grows) return AL_OK;
     return al_fail(
         error, AL_BAD_INPUT,
-        "%s: lightmap.walls: the fog's light does not settle between %u points: hardly anything absorbs and "
+        "lightmap.walls: the fog's light does not settle between %u points: hardly anything absorbs and "
         "g is up to %g; more absorption or g nearer to 0 is right, or walls \"published\"",
-        b->gather->path, b->points->count, b->gather->fog.g_limit);
+        b->points->count, b->gather->fog.g_limit);
 }
 
 /* The points need not be better than what is gathered from them. */

@@ -26,10 +26,10 @@ static al_status open_responses(al_gather *gather, al_error *error)
     if (gain < 1) return AL_OK;
     return al_fail(
         error, AL_BAD_INPUT,
-        "%s: lightmap.walls: with \"published\" light would grow without limit, %.3g times from "
+        "lightmap.walls: with \"published\" light would grow without limit, %.3g times from "
         "surface to surface, as it passes through walls: darker surfaces, fog that absorbs more or "
         "\"bounded\" walls are right",
-        gather->path, gain);
+        gain);
 }
 
 static al_status open_parts(al_gather *gather, const al_import *import, al_error *error)

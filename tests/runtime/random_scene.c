@@ -8,6 +8,7 @@
 #include "airlight/formulas.h"
 #include "airlight/medium.h"
 #include "airlight/probes.h"
+#include "../random.h"
 #include "sphere.h"
 
 enum { MESHES = 6, FOGS = 4, VOXELS = 6, SKY_WIDTH = 8, SKY_HEIGHT = 4, TRIANGLES = 24, EDGE = 4 };
@@ -39,23 +40,14 @@ typedef struct builder {
 
 /* --- numbers --- */
 
-/* Steele, Lea and Flood 2014. */
-static uint64_t next_bits(uint64_t *state)
-{
-    uint64_t z = *state += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
-
 static float uniform(builder *b, float low, float high)
 {
-    return low + (high - low) * (float)((double)(next_bits(&b->state) >> 40) * 0x1p-24);
+    return low + (high - low) * (float)((double)(random_bits(&b->state) >> 40) * 0x1p-24);
 }
 
 static uint32_t below(builder *b, uint32_t count)
 {
-    return (uint32_t)((next_bits(&b->state) >> 32) * count >> 32);
+    return (uint32_t)((random_bits(&b->state) >> 32) * count >> 32);
 }
 
 static bool chance(builder *b, float share)
@@ -555,9 +547,7 @@ bool random_scene_write(const char *folder, uint64_t seed, uint32_t index, const
     builder *b = &all;
     memset(b, 0, sizeof *b);
     memset(scene, 0, sizeof *scene);
-    b->state = seed;
-    b->state = next_bits(&b->state) + index;
-    b->state = next_bits(&b->state);
+    b->state = random_begin(seed, index);
     b->folder = folder;
     b->out = scene;
     b->change = change;
