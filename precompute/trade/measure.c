@@ -51,8 +51,9 @@ static double number(const json_t *object, const char *key)
 al_status al_truth_make(al_trade *trade, int camera, char stem[PATH_MAX], al_error *error)
 {
     char words[256], scene[PATH_MAX], path[PATH_MAX];
-    snprintf(words, sizeof words, "%s volume-path %d %d %d %dx%d %s", AIRLIGHT_VERSION, trade->spp, trade->max_events,
-             trade->max_bounces, trade->size[0], trade->size[1], trade->cameras[camera]);
+    snprintf(words, sizeof words, "%s volume-path %d %d %d %dx%d %s %016llx", AIRLIGHT_VERSION, trade->spp, trade->max_events,
+             trade->max_bounces, trade->size[0], trade->size[1], trade->cameras[camera],
+             (unsigned long long)trade->camera_content[camera]);
     path_in(trade, stem, "truth/%016llx", (unsigned long long)XXH64(words, strlen(words), trade->content));
     snprintf(path, sizeof path, "%.*s.exr", PATH_MAX - 8, stem);
     path_in(trade, scene, "scene.json");
@@ -258,8 +259,9 @@ al_status al_point_measure(al_trade *trade, const json_t *root, const char *trut
 al_status al_point_hold_out(al_trade *trade, const json_t *root, const char *truth, al_point *point, al_error *error)
 {
     char folder[PATH_MAX], path[PATH_MAX], picture[PATH_MAX];
-    path_in(trade, path, "points/%s.held_out.json", point->picture);
-    path_in(trade, picture, "points/%s.held_out.exr", point->picture);
+    const char *name = truth + strlen(truth) - 16;
+    path_in(trade, path, "points/%s.%s.held_out.json", point->picture, name);
+    path_in(trade, picture, "points/%s.%s.held_out.exr", point->picture, name);
     json_t *metrics = json_load_file(path, 0, NULL);
     al_status status = AL_OK;
     if (!metrics) {

@@ -59,10 +59,25 @@ static al_status set_cameras(al_trade *trade, const al_scene *scene, json_t *roo
     return AL_OK;
 }
 
-/* What ground truth depends on: all but what only bakes and the player use, and every file. */
+/* Of the camera's object in the scene file; 0: it is in a mesh file, which counts itself. */
+static uint64_t hash_camera(const json_t *root, const char *name)
+{
+    json_t *camera;
+    size_t i;
+    uint64_t hash = 0;
+    json_array_foreach(json_object_get(root, "cameras"), i, camera) {
+        const char *other = json_string_value(json_object_get(camera, "name"));
+        char *text = other && !strcmp(other, name) ? json_dumps(camera, JSON_SORT_KEYS | JSON_COMPACT) : NULL;
+        if (text) hash = XXH64(text, strlen(text), 0);
+        free(text);
+    }
+    return hash;
+}
+
+/* What ground truth depends on but the camera: all but what only bakes and the player use, and every file. */
 static uint64_t hash_content(const al_import *import, const json_t *root)
 {
-    static const char *const without[] = {"bake", "lightmap", "probes", "play", "comment", "$schema"};
+    static const char *const without[] = {"bake", "lightmap", "probes", "play", "cameras", "comment", "$schema"};
     json_t *copy = json_copy((json_t *)root);
     for (size_t i = 0; i < sizeof without / sizeof *without; i++) json_object_del(copy, without[i]);
     char *text = json_dumps(copy, JSON_SORT_KEYS | JSON_COMPACT);
@@ -87,6 +102,7 @@ al_status al_scene_open(al_trade *trade, json_t **root, al_error *error)
     *strrchr(whole, '/') = 0;
     trade->exposure_ev = import->scene.play.exposure_ev;
     status = set_cameras(trade, &import->scene, *root, error);
+    for (int i = 0; i < 2; i++) trade->camera_content[i] = hash_camera(*root, trade->cameras[i]);
     trade->content = hash_content(import, *root); /* before paths, so that a folder that moved keeps its truth */
     make_paths_whole(*root, whole);
 cleanup:

@@ -47,7 +47,8 @@ typedef struct al_trade {
     al_points points;
     al_progress progress;
     char cameras[2][AL_NAME_SIZE]; /* of the comparison, and held out */
-    uint64_t content;              /* hash of what the truth depends on in the scene */
+    uint64_t content;              /* hash of what the truth depends on in the scene but its camera */
+    uint64_t camera_content[2];    /* hash of each camera's place */
     float exposure_ev;
     int max_events, max_bounces; /* of the truth; -1: no limit */
 } al_trade;
