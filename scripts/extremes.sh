@@ -3,7 +3,6 @@
 # precision or a closed form, how far off it is and in brackets the bound; or the refusal. The rows come from the tests, which
 # print them as they check them. Exit code 1, and which, where one misses its bound, a test fails, or an extreme has no row.
 # usage: scripts/extremes.sh [FOLDER]   (default out/extremes: what the tests said, and tables.air, made if missing)
-# A quarter of an hour on two cores without a graphics card.
 set -eu
 cd "$(dirname "$0")/.."
 

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Makes the pictures of docs/looks.md (docs/images/look_*.png) and prints its figures: for each picture the bake's seconds, the
-# baked bytes and the frame's time over that of the picture it is compared with, measured one after the other.
+# baked bytes and the median frame in milliseconds.
 # usage: scripts/looks.sh [FOLDER]   (default out/looks; scenes, bakes and what stays of them; an empty one makes all anew)
 set -eu
 cd "$(dirname "$0")/.."
