@@ -16,9 +16,10 @@
 #include <unistd.h>
 
 #include "../random.h"
+#include "../refusals.h"
 #include "../test.h"
 
-enum { KIND_LIMIT = 64, MESHES = 4, MEDIA = 3 };
+enum { MESHES = 4, MEDIA = 3 };
 
 static const char *programs;
 static uint64_t state;
@@ -26,11 +27,7 @@ static FILE *scene;
 static double unit; /* m, about the scene's size */
 static bool probes;
 
-static struct {
-    char text[128];
-    int count;
-} refusals[KIND_LIMIT];
-static int refused, baked, assets, kind_count;
+static int baked, assets;
 
 /* --- numbers --- */
 
@@ -289,21 +286,6 @@ static size_t read_words(char *text, size_t limit)
     return size;
 }
 
-/* Counts refusals that differ in more than their numbers. */
-static void count_refusal(const char *words)
-{
-    char text[sizeof refusals[0].text];
-    size_t size = 0;
-    for (const char *c = words; *c && *c != '\n' && size + 1 < sizeof text; c++)
-        if (*c < '0' || *c > '9') text[size++] = *c;
-    text[size] = 0;
-    int i = 0;
-    while (i < kind_count && strcmp(refusals[i].text, text) != 0) i++;
-    if (i == kind_count && kind_count < KIND_LIMIT) strcpy(refusals[kind_count++].text, text);
-    if (i < kind_count) refusals[i].count++;
-    refused++;
-}
-
 static bool check_assets(void)
 {
     DIR *folder = opendir("one");
@@ -375,7 +357,7 @@ int main(int argc, char **argv)
             fflush(stdout);
         }
     }
-    for (int i = 0; i < kind_count; i++) printf("%5d refused: %s\n", refusals[i].count, refusals[i].text);
+    print_refusals();
     printf("seed %llu, scenes %u to %u: %d baked, %d assets, %d refused\n", (unsigned long long)seed, from,
            from + count - 1, baked, assets, refused);
     CHECK(!chdir("/") && !run("rm -rf %s", folder));

@@ -259,22 +259,13 @@ static bool make_grid(builder *b, const al_fog *fog, const al_medium *medium, co
     const uint32_t kind = below(b, 4);
     char path[512];
     al_error error = {0};
-    al_medium_data data = {.info = {.frame_count = 1, .extended = chance(b, 0.5f), .g = medium->g}, .slice = fill_slice, .user = g};
+    al_medium_data data = {.info = {.frame_count = 1, .extended = chance(b, 0.5f)}, .slice = fill_slice, .user = g};
     for (int k = 0; k < 3; k++) g->size[k] = 1 + below(b, VOXELS);
     const uint32_t count = g->size[0] * g->size[1] * g->size[2], chosen = below(b, count);
     for (uint32_t i = 0; i < count; i++)
         g->density[i] = kind == 0 && i == chosen ? dense : kind == 1 || (kind == 2 && !chance(b, share)) ? 0 : uniform(b, 0, 1);
-    for (int k = 0; k < 3; k++) {
-        const float edge = (fog->bounds_max_m[k] - fog->bounds_min_m[k]) / (float)g->size[k];
-        data.info.size[k] = g->size[k];
-        data.info.bounds_min_m[k] = fog->bounds_min_m[k];
-        data.info.bounds_max_m[k] = fog->bounds_max_m[k];
-        data.info.sigma_s_per_m[k] = medium->sigma_s_per_m[k];
-        data.info.sigma_a_per_m[k] = medium->sigma_a_per_m[k];
-        data.info.grid_to_world[5 * k] = edge;
-        data.info.grid_to_world[12 + k] = fog->bounds_min_m[k] + edge / 2;
-    }
-    data.info.grid_to_world[15] = 1;
+    memcpy(data.info.size, g->size, sizeof g->size);
+    sphere_lay_grid(&data, fog, medium);
     snprintf(path, sizeof path, "%s/%s", b->folder, name);
     if (!al_medium_write(path, &data, NULL, &error)) return true;
     fprintf(stderr, "%s\n", error.message);

@@ -16,11 +16,12 @@
 #include <time.h>
 
 #include "../../runtime/state.h"
+#include "../refusals.h"
 #include "../test.h"
 #include "random_scene.h"
 #include "stage.h"
 
-enum { PIXEL_LIMIT = 16 * 16, KIND_LIMIT = 32 };
+enum { PIXEL_LIMIT = 16 * 16 };
 
 static const char *folder;
 static al_runtime *runtime; /* one, as its shaders are what takes time */
@@ -32,12 +33,6 @@ typedef struct picture { /* all frames of a scene */
     uint32_t count; /* numbers */
     float values[RANDOM_FRAMES * PIXEL_LIMIT * 3];
 } picture;
-
-static struct {
-    char text[96];
-    int count;
-} refusals[KIND_LIMIT];
-static int refused, kind_count;
 
 /* Scenes that have failed, beyond the 200 that are drawn anyway. */
 static const struct {
@@ -61,21 +56,6 @@ static void count_drawn(const random_scene *scene)
     drawn.black += scene->kind == RANDOM_BLACK;
     drawn.composite += scene->settings.pass == AL_PASS_COMPOSITE;
     drawn.history += scene->settings.temporal > 0;
-}
-
-/* Counts refusals that differ in more than their numbers. */
-static void count_refusal(const char *message)
-{
-    char text[sizeof refusals[0].text];
-    size_t size = 0;
-    for (const char *c = message; *c && size + 1 < sizeof text; c++)
-        if (*c < '0' || *c > '9') text[size++] = *c;
-    text[size] = 0;
-    int i = 0;
-    while (i < kind_count && strcmp(refusals[i].text, text) != 0) i++;
-    if (i == kind_count && kind_count < KIND_LIMIT) strcpy(refusals[kind_count++].text, text);
-    if (i < kind_count) refusals[i].count++;
-    refused++;
 }
 
 /* --- drawing --- */
@@ -256,7 +236,7 @@ int main(int argc, char **argv)
             fflush(stdout);
         }
     }
-    for (int i = 0; i < kind_count; i++) printf("%5d refused: %s\n", refusals[i].count, refusals[i].text);
+    print_refusals();
     printf("%d with surfaces, %d fogs, %d translucent objects, %d lamps or suns, %d a sky, %d probes, %d history; %d all passes\n",
            drawn.surfaces, drawn.fogs, drawn.objects, drawn.lights, drawn.sky, drawn.probes, drawn.history, drawn.composite);
     printf("%d furnaces, %d with fogs that absorb\n", drawn.furnace, drawn.black);

@@ -55,20 +55,10 @@ static void write_grid(const room *r, const al_fog *fog, const al_medium *medium
     al_error error = {0};
     al_medium_data data = {.info = {.size = {r->voxels, r->voxels, r->voxels},
                                     .frame_count = 1,
-                                    .extended = r->extended,
-                                    .g = medium->g},
+                                    .extended = r->extended},
                            .slice = slice,
                            .user = (void *)r};
-    for (int k = 0; k < 3; k++) {
-        float edge = (fog->bounds_max_m[k] - fog->bounds_min_m[k]) / (float)r->voxels;
-        data.info.bounds_min_m[k] = fog->bounds_min_m[k];
-        data.info.bounds_max_m[k] = fog->bounds_max_m[k];
-        data.info.sigma_s_per_m[k] = medium->sigma_s_per_m[k];
-        data.info.sigma_a_per_m[k] = medium->sigma_a_per_m[k];
-        data.info.grid_to_world[5 * k] = edge;
-        data.info.grid_to_world[12 + k] = fog->bounds_min_m[k] + edge / 2;
-    }
-    data.info.grid_to_world[15] = 1;
+    sphere_lay_grid(&data, fog, medium);
     CHECK(al_medium_write(grid_path(), &data, NULL, &error) == AL_OK);
 }
 

@@ -208,6 +208,22 @@ static void make_square(al_mesh *mesh)
     for (int i = 0; i < 4; i++) mesh->normals[3 * i + 1] = 1;
 }
 
+void sphere_lay_grid(al_medium_data *data, const al_fog *fog, const al_medium *medium)
+{
+    al_medium_info *info = &data->info;
+    info->g = medium->g;
+    for (int k = 0; k < 3; k++) {
+        const float edge = (fog->bounds_max_m[k] - fog->bounds_min_m[k]) / (float)info->size[k];
+        info->bounds_min_m[k] = fog->bounds_min_m[k];
+        info->bounds_max_m[k] = fog->bounds_max_m[k];
+        info->sigma_s_per_m[k] = medium->sigma_s_per_m[k];
+        info->sigma_a_per_m[k] = medium->sigma_a_per_m[k];
+        info->grid_to_world[5 * k] = edge;
+        info->grid_to_world[12 + k] = fog->bounds_min_m[k] + edge / 2;
+    }
+    info->grid_to_world[15] = 1;
+}
+
 void sphere_scene_begin(sphere_scene *s)
 {
     memset(s, 0, sizeof *s);

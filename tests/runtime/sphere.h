@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "airlight/medium.h"
 #include "airlight/scene.h"
 #include "airlight/translucent.h"
 
@@ -26,6 +27,9 @@ typedef struct sphere_options { /* zero: the value in brackets */
 
 /* Writes FOLDER/NAME; prints the error and answers false on one. */
 bool sphere_write_asset(const char *folder, const char *name, const sphere_options *options);
+
+/* Lays data->info.size voxels of the medium out over the fog's box. */
+void sphere_lay_grid(al_medium_data *data, const al_fog *fog, const al_medium *medium);
 
 /* A scene under construction; arrays are its own. */
 typedef struct sphere_scene {
