@@ -6,7 +6,7 @@
 
 #include "airlight/status.h"
 
-/* `name` as seen from the folder of the running program: "airlight-tetrahedra"; at most 64 characters. */
+/* `name` as seen from the folder of the running program: "airlight-tetrahedra". */
 al_status al_find_beside(const char *name, char path[PATH_MAX], al_error *error);
 
 #endif
