@@ -36,8 +36,8 @@ promise() {
     "$bin/airlight-bake" "$(scene "$1")" -o "$folder/$1" --target-error "$2" --quiet
     "$bin/airlight-play" "$folder/$1" --target-error "$2" --headless --size 192x192 --frames 4 --fps 1000000 --accumulate \
         --no-surface --quiet --stats "$folder/stats.json"
-    awk -v name="$1" -v target="$2" -v error="$(number relative_rmse "$folder/report.json")" \
-        -v held="$(number held_out_relative_rmse "$folder/report.json")" -v expected="$(number frame_ms "$folder/report.json")" \
+    awk -v name="$1" -v target="$2" -v error="$(number relative_rmse "$folder/$1/report.json")" \
+        -v held="$(number held_out_relative_rmse "$folder/$1/report.json")" -v expected="$(number frame_ms "$folder/$1/report.json")" \
         -v took="$(number frame_ms_median "$folder/stats.json")" \
         'BEGIN { printf "| %s | %.4f | %.4f | %.4f | %.2f | %.2f |\n", name, target, error, held, held / target, took / expected }'
 }
